@@ -1,7 +1,7 @@
 """Products with tall blocks of vectors in Fortran order, real or complex, the rows of each rank.
 
-Matrices are applied to some columns at a time: nothing of the size of all vectors is kept beside
-them. A tall block is read once for each product, without copies in another order.
+Matrices are applied to a few columns at a time, to avoid temporaries of the size of the block. A
+block is read once for each product, without copies in another order.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,17 +15,17 @@ from cea.arrays import Floats
 from cea.matrices import dense, destroy
 
 _COLUMNS = 64
-"""Most columns at a time."""
+"""Largest number of columns in one product."""
 
 
 def column_blocks(columns: int) -> Iterator[slice]:
-    """Slices of so many columns as are worked on at a time."""
+    """Yield slices of columns, each for one product."""
     for start in range(0, columns, _COLUMNS):
         yield slice(start, min(start + _COLUMNS, columns))
 
 
 def by_parts(product: Callable[[Floats], Floats], block: NDArray[Any]) -> NDArray[Any]:
-    """A real product with a block of vectors: of complex ones with both parts side by side."""
+    """Apply a real product to a block; of complex vectors to both parts side by side."""
     if not np.iscomplexobj(block):
         return product(block)
     n = block.shape[1]
@@ -36,7 +36,7 @@ def by_parts(product: Callable[[Floats], Floats], block: NDArray[Any]) -> NDArra
 
 
 def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
-    """Matrix times a block of vectors, in Fortran order."""
+    """Return a matrix times a block of vectors, in Fortran order."""
     return by_parts(partial(_times, matrix), vectors)
 
 
@@ -55,13 +55,13 @@ def _times(matrix: Any, vectors: Floats) -> Floats:
 
 
 def transposed_times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
-    """Transposed matrix times a block of vectors."""
+    """Return a transposed matrix times a block of vectors."""
     x, y = matrix.createVecLeft(), matrix.createVecRight()
     return by_parts(partial(_one_by_one, matrix.multTranspose, x, y), vectors)
 
 
 def _one_by_one(product: Any, x: Any, y: Any, vectors: Floats) -> Floats:
-    """Products column by column, for matMult does not bear ranks with rows and no columns."""
+    """Compute products column by column, since matMult fails on ranks with rows and no columns."""
     image = np.empty((y.getLocalSize(), vectors.shape[1]), order="F")
     for i, column in enumerate(vectors.T):
         x.array[:] = column
@@ -72,14 +72,14 @@ def _one_by_one(product: Any, x: Any, y: Any, vectors: Floats) -> Floats:
 
 
 def columns_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any]:
-    """Inner products of the columns of two blocks, one with one."""
+    """Return the inner products of corresponding columns of two blocks."""
     return comm.tompi4py().allreduce(np.einsum("ij,ij->j", left.conj(), right))
 
 
 def all_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any]:
-    """Inner products of every column of one block with every column of another.
+    """Return the inner products of every column of one block with every column of another.
 
-    The right is best the smaller: the left is then read at the speed of memory.
+    It is fastest if the right block is the smaller one.
     """
     products = right.conj().T @ left if np.iscomplexobj(right) else right.T @ left
     products = products.conj().T if np.iscomplexobj(products) else products.T
@@ -87,12 +87,12 @@ def all_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any
 
 
 def norms(vectors: NDArray[Any], comm: Any) -> Floats:
-    """Lengths of the columns."""
+    """Return the Euclidean norms of the columns."""
     return np.sqrt(columns_inner(vectors, vectors, comm).real)
 
 
 def combined(vectors: NDArray[Any], coefficients: NDArray[Any]) -> NDArray[Any]:
-    """Vectors, in Fortran order, times real or complex coefficients, a new block in that order."""
+    """Return vectors times real or complex coefficients, both blocks in Fortran order."""
     if np.iscomplexobj(coefficients) and not np.iscomplexobj(vectors):
         result = np.empty((len(vectors), coefficients.shape[1]), dtype=complex, order="F")
         result.real = combined(vectors, coefficients.real)
@@ -102,7 +102,7 @@ def combined(vectors: NDArray[Any], coefficients: NDArray[Any]) -> NDArray[Any]:
 
 
 def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
-    """Two blocks as one, in Fortran order; the right itself where the left is empty."""
+    """Join two blocks in Fortran order; return the right one itself where the left is empty."""
     columns = left.shape[1]
     if not columns and right.flags.f_contiguous:
         return right

@@ -1,7 +1,7 @@
-"""The words of modes and runs: unstable, grows slowly, stable, undecided, rigid.
+"""Classification of modes and runs: unstable, grows slowly, stable, undecided, rigid.
 
-This is the only place that decides them. Whoever has growth rates brings the error that is its
-own: a run its algebraic error, a refined scene its error bar, a reduced model its bound.
+Callers supply growth rates with their error: a run the algebraic error, a refinement sequence the
+error bar, a reduced model the error bound.
 """
 
 from collections.abc import Sequence
@@ -18,30 +18,30 @@ RunWord = Literal[
 ]
 
 WORDS: tuple[Word, ...] = get_args(Word)
-"""Words of a mode; files of numbers hold their places in this list."""
+"""Classes of a mode; files of numbers store their indices in this list."""
 BY_URGENCY: tuple[Word, ...] = ("unstable", "grows slowly", "undecided", "stable", "rigid")
-"""The same, what matters most first."""
+"""The classes by urgency, the most urgent first."""
 GROWING: tuple[Word, ...] = ("unstable", "grows slowly")
-"""Words of modes that grow beyond their errors."""
+"""Classes of modes whose growth rate exceeds its error."""
 RELATIVE_GROWTH = 1e-4
-"""Growth rate relative to abs(lambda) above which a mode is called unstable by default."""
+"""Default growth rate relative to abs(lambda) above which a mode counts as unstable."""
 
 
 NO_GROWTH = 1e-9
-"""Relative error of kappa up to which copies count as copies and not as a coalescence, whose errors
-are about the root of rounding. Growth is then at most half of it relative to abs(lambda), far below
-the threshold of a mode."""
+"""Relative error of kappa up to which close eigenvalues count as one of higher multiplicity, and
+not as a coalescence, whose errors are about the root of rounding. The growth rate is then at most
+half of it relative to abs(lambda), far below the threshold."""
 
 
 def thresholds(eigenvalues: Complexes, threshold: float | None = None) -> Floats:
-    """Growth rates (1/s) above which modes are called unstable; None takes 1e-4 abs(lambda)."""
+    """Return growth rates (1/s) above which modes are unstable; None takes 1e-4 abs(lambda)."""
     if threshold is None:
         return RELATIVE_GROWTH * np.abs(eigenvalues)
     return np.full(len(eigenvalues), float(threshold))
 
 
 def threshold_text(threshold: float | None) -> str:
-    """The threshold in words."""
+    """Return the threshold as text."""
     return "threshold 1e-4 |lambda|" if threshold is None else f"threshold {threshold:g} 1/s"
 
 
@@ -52,24 +52,24 @@ def classify(
     bounded: ArrayLike,
     rigid: ArrayLike = False,
 ) -> list[Word]:
-    """A word for each mode.
+    """Classify each mode.
 
-    Unstable is a mode whose growth is above its error and above the threshold; it grows slowly
-    where it is above its error alone. Stable is one whose growth is zero or less whatever its
-    error. What the error leaves open is undecided.
+    A mode is unstable if its growth rate is above its error and above the threshold, and grows
+    slowly if it is above its error alone. It is stable if its growth rate plus the error is zero or
+    negative, or if it cannot grow. It is undecided otherwise.
 
     Parameters
     ----------
     growth
         Growth rates Re lambda (1/s), shape (n,).
     error
-        Their errors (1/s): infinite where nothing is known.
+        Errors of the growth rates (1/s): infinite where nothing is known.
     threshold
-        Growth rates (1/s) above which modes are called unstable; see :func:`thresholds`.
+        Growth rates (1/s) above which modes count as unstable; see :func:`thresholds`.
     bounded
-        Modes that cannot grow for the structure of the problem (:func:`cannot_grow`).
+        Modes that cannot grow owing to the structure of the problem (:func:`cannot_grow`).
     rigid
-        Modes whose lambda is zero but for rounding: nothing holds their motion.
+        Rigid body modes, whose lambda is zero within its error.
     """
     growth, error, threshold, bounded, rigid = np.broadcast_arrays(
         *map(np.atleast_1d, (growth, error, threshold, bounded, rigid))
@@ -87,13 +87,13 @@ def classify(
 
 
 def cannot_grow(kappa: Complexes, errors: Floats, *, symmetric: bool) -> NDArray[np.bool_]:
-    """Modes of a problem without damping whose growth is zero by structure, shape (n,).
+    """Return which undamped modes have zero growth by the structure of the problem, shape (n,).
 
     kappa = -lambda^2 are eigenvalues of real matrices: one leaves the real axis only where it
-    meets another. So a real positive kappa that is apart from all others by more than their errors
-    belongs to a mode that does not grow; and so do copies whose conditions are fine, which no
-    coalescence has. Without friction all kappa are real: the problem is symmetric. With rotation
-    alone, neither friction nor damping, the same holds of -i lambda.
+    meets another. A real positive kappa therefore belongs to a mode that does not grow if it
+    differs from all others by more than their errors, or if its error is too small for a
+    coalescence (a multiple eigenvalue). Without friction the problem is symmetric, and all kappa
+    are real. With rotation, but neither friction nor damping, the same holds for -i lambda.
     """
     real = (np.abs(kappa.imag) <= errors) & (kappa.real > errors)
     if symmetric:
@@ -106,10 +106,10 @@ def cannot_grow(kappa: Complexes, errors: Floats, *, symmetric: bool) -> NDArray
 
 
 def classify_run(words: Sequence[Word], *, complete: bool, missing: bool = False) -> RunWord:
-    """The word of a whole window, by those of its modes.
+    """Classify a whole window by the classes of its modes.
 
-    It is complete where all modes were found, however fast they grow; some may be known to be
-    missing.
+    The window is ``complete`` if all modes were found, whatever their growth rates; ``missing``
+    means that a mode is known to be missing.
     """
     for word in ("unstable", "grows slowly", "undecided"):
         if word in words:
@@ -122,7 +122,7 @@ def classify_run(words: Sequence[Word], *, complete: bool, missing: bool = False
 
 
 def counted_words(words: Sequence[Word], growth: Sequence[float], threshold: float | None) -> str:
-    """How many modes have each word, the fastest that grows, and the threshold that decided."""
+    """Return the number of modes of each class, the largest growth rates, and the threshold."""
     parts = []
     for word in BY_URGENCY:
         rates = [rate for rate, own in zip(growth, words, strict=True) if own == word]

@@ -1,4 +1,4 @@
-"""Named parameters of a pencil, and the coefficients through which its pieces depend on them."""
+"""Named parameters of a pencil, and the coefficients c_j(t) of its terms."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,10 +12,10 @@ from cea.errors import InputError
 class Parameter:
     """A number that a pencil depends on.
 
-    Its name is the path of the field in a scene, e.g. ``contacts.pad_disc.mu``; its value holds
-    where none is given. Zero is refused where it is to be positive, infinity where it is to be
-    finite; only signed ones may be below zero. A fixed one keeps its value: what depends on it, as
-    modes that are damped one by one, was found at that.
+    ``name`` is the path of the field in a scene, e.g. ``contacts.pad_disc.mu``; ``value`` is the
+    default. Zero is not allowed if ``positive``, infinity if ``finite``, and negative values only
+    if ``signed``. A ``fixed`` parameter cannot be changed, since terms of the pencil, such as modal
+    damping, were computed at its value.
     """
 
     name: str
@@ -27,9 +27,10 @@ class Parameter:
     fixed: bool = False
 
     def check(self, value: float) -> float:
-        """The value, or a refusal of it."""
+        """Return the value as a float; InputError when it is not allowed."""
         if self.fixed and value != self.value:
-            raise InputError(self.name, value, f"{self.value:g}, where damped modes were found")
+            allowed = f"{self.value:g}, at which modal damping was computed"
+            raise InputError(self.name, value, allowed)
         if self.signed:
             if not isfinite(value):
                 raise InputError(self.name, value, f"a finite number ({self.unit})")
@@ -42,7 +43,7 @@ class Parameter:
 
 
 class Dependence(Protocol):
-    """How a piece of a pencil depends on parameters: its c_j(t)."""
+    """Coefficient c_j(t) of a term of a pencil, a function of parameters t."""
 
     @property
     def names(self) -> frozenset[str]:
@@ -62,15 +63,14 @@ class Dependence(Protocol):
 class Coefficient:
     """A factor times powers (t / reference)^exponent of parameters, a :class:`Dependence`.
 
-    Powers are given as (reference, exponent) by parameter. At its reference a parameter counts as 1
-    to the last bit.
+    ``powers`` maps parameters to (reference, exponent). At t = reference a power is exactly 1.
     """
 
     powers: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     factor: float = 1.0
 
     def times(self, name: str, exponent: float = 1.0, factor: float = 1.0) -> "Coefficient":
-        """The coefficient multiplied by factor * p**exponent of one more parameter."""
+        """Return the coefficient multiplied by factor * p**exponent of one more parameter p."""
         return Coefficient({**self.powers, name: (1.0, exponent)}, factor * self.factor)
 
     @property
@@ -96,7 +96,7 @@ class Coefficient:
 
 
 CONSTANT = Coefficient()
-"""1, whatever the parameters."""
+"""The constant 1."""
 
 NOTHING = Coefficient(factor=0.0)
-"""0, whatever the parameters."""
+"""The constant 0."""

@@ -1,9 +1,10 @@
-"""Closures of contacts that depend on each other, and the forces that none of them determines.
+"""Linearly dependent contact constraints, and the forces that they leave undetermined.
 
-A sum N^T J = 0 of closures does nothing to the displacements: where bodies are bonded round a
-point, where supports hold both sides, where two contacts ask the same. The forces of a finite
-stiffness, C f = J x, then obey N^T C f = 0, however stiff the contact; so do those of its limit.
-With that condition as rows of their own the matrix is regular for any stiffness, and infinite.
+Rows of J, the closures, are dependent, N^T J = 0, where bodies are bonded around a point, where
+supports fix both sides, or where two contacts impose the same condition. The forces of a contact of
+finite stiffness, C f = J x, then satisfy N^T C f = 0, however stiff it is, and so do those of its
+limit. With this condition as additional rows the matrix is regular for any stiffness, infinite
+included.
 """
 
 from collections.abc import Sequence
@@ -23,23 +24,23 @@ from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows
 
 _NEGLIGIBLE_ROW = 1e-14
-"""Closures below this part of the largest are rounding."""
+"""Norm of a row of J relative to the largest below which it counts as rounding."""
 _UNINVOLVED = 1e-14
-"""Square of the part of a dependence that does not involve a contact."""
+"""Squared norm of a null vector on a contact below which it does not involve that contact."""
 _NEGLIGIBLE = 1e-18
-"""Entries of a column of unit length below this are left out."""
+"""Entries of a column of unit norm below which they are dropped."""
 _NEAR = 1e-5
-"""Size of a sum of unit closures that is looked at closely."""
+"""Singular value of J with unit rows below which its space is computed by inverse iteration."""
 _STEPS = 6
-"""Steps of inverse iteration: what lies well above is gone after the first."""
+"""Steps of inverse iteration; the first removes vectors of much larger singular values."""
 
 
 @dataclass(frozen=True)
 class Dependence:
-    """Sums of closures that vanish: N^T J = 0, N for closures of unit length.
+    """Left null space of the closures: N^T J = 0 for rows of J scaled to unit norm.
 
-    Of N (``null``) and of the lengths of closures it has the rows of this rank, in parts by
-    contact.
+    ``null`` is N and ``lengths`` are the norms of rows, those of this rank; ``parts`` are the rows
+    of each contact.
     """
 
     null: Floats
@@ -54,9 +55,9 @@ class Dependence:
 
     @classmethod
     def of(cls, closure: Mat, rows: Sequence[int], tolerance: float) -> "Dependence":
-        """Find the sums of closures, each scaled to unit length, that are below a tolerance.
+        """Find the left singular vectors of J, its rows scaled, with values below a tolerance.
 
-        J of all contacts has so many rows of each on this rank, one below the other.
+        ``rows`` are the numbers of rows of each contact on this rank, stacked in ``closure``.
         """
         unit, lengths = _unit_rows(closure)
         null = _null_vectors(unit, tolerance)
@@ -65,16 +66,16 @@ class Dependence:
         return cls(null, lengths, tuple(slice(*pair) for pair in pairwise(ends)), closure.comm)
 
     def within(self, chosen: Sequence[bool]) -> int:
-        """Number of dependences that involve none but chosen contacts."""
+        """Return the number of dependences that involve only the chosen contacts."""
         values, _ = self._involvement(self.null[~self._by_row(chosen)])
         return int(np.sum(values <= _UNINVOLVED))
 
     def border(self, compliances: Sequence[Mat], scales: Sequence[float]) -> Mat:
-        """Z, whose columns span C N.
+        """Return Z, whose columns span C N.
 
-        Of contacts of different stiffness the softest decides: columns are weighted by its P, and
-        what does not involve it is left to the next. So none of them is lost beside the others.
-        Given are C^ and c_c (m/N) of each contact.
+        For contacts of different stiffness columns that involve the softest one are scaled by its
+        P; the others are left to the next softest, so that no column is lost to rounding.
+        ``compliances`` and ``scales`` are C^ and c_c (m/N) of each contact.
         """
         unit = self.null / self.lengths[:, None]
         both = zip(compliances, self.parts, strict=True)
@@ -86,24 +87,24 @@ class Dependence:
             own = rest @ vectors[:, values > _UNINVOLVED]
             rest = rest @ vectors[:, values <= _UNINVOLVED]
             weights = of_row / softest if softest else np.ones(len(of_row))
-            weights[of_row > softest] = 0.0  # softer ones are not involved
+            weights[of_row > softest] = 0.0  # softer contacts are not involved
             columns.append(weights[:, None] * (image @ own))
             if not rest.shape[1]:
                 break
         return self._as_matrix(np.hstack(columns))
 
     def _by_row(self, of_contacts: Sequence[float]) -> NDArray[Any]:
-        """What is given by contact, for each row of this rank."""
+        """Expand values of contacts to the rows of this rank."""
         return np.repeat(of_contacts, [part.stop - part.start for part in self.parts])
 
     def _involvement(self, rows: Floats) -> tuple[Floats, Floats]:
-        """Squares of the parts of sums in some rows of N, and the sums."""
+        """Return squared singular values and right singular vectors of some rows of N."""
         gram = self.comm.tompi4py().allreduce(rows.T @ rows, MPI.SUM)
         values, vectors = np.linalg.eigh(gram)
         return values, vectors
 
     def _as_matrix(self, columns: Floats) -> Mat:
-        """Columns of unit length as PETSc AIJ, without entries of rounding."""
+        """Return the columns, scaled to unit norm, as PETSc AIJ without negligible entries."""
         comm = self.comm.tompi4py()
         columns = columns / np.sqrt(comm.allreduce((columns**2).sum(axis=0), MPI.SUM))
         columns[np.abs(columns) < _NEGLIGIBLE] = 0.0
@@ -113,9 +114,9 @@ class Dependence:
 
 
 def _unit_rows(closure: Mat) -> tuple[Mat, Floats]:
-    """J on the displacements it touches, its rows scaled to unit length, and their lengths.
+    """Return J, restricted to its nonzero columns and scaled to unit rows, and the norms of rows.
 
-    Rows of rounding are scaled as the longest, and stay so.
+    Negligible rows are divided by the largest norm, and so stay negligible.
     """
     comm = closure.comm.tompi4py()
     local = local_part(closure)
@@ -130,10 +131,10 @@ def _unit_rows(closure: Mat) -> tuple[Mat, Floats]:
 
 
 def _null_vectors(unit: Mat, tolerance: float) -> Floats:
-    """Orthonormal N with N^T J of a size below a tolerance, the rows of this rank.
+    """Return orthonormal left singular vectors N of values below a tolerance, rows of this rank.
 
-    The inertia of [1, J^T; J, t^2] tells how many singular values of J lie below t; their space is
-    that of the largest eigenvalues of (t^2 + J J^T)^-1. In it they are found without squaring.
+    The inertia of [1, J^T; J, t^2] counts the singular values of J below t. Inverse iteration with
+    t^2 + J J^T yields their space, in which they are computed without squaring.
     """
     near = unit.getSize()[0] - inertia(_augmented(unit, _NEAR**2))[0]
     comm = unit.comm.tompi4py()
@@ -156,7 +157,7 @@ def _null_vectors(unit: Mat, tolerance: float) -> Floats:
 
 
 def _augmented(unit: Mat, corner: float) -> Mat:
-    """[1, J^T; J, corner], PETSc AIJ."""
+    """Return [1, J^T; J, corner] as PETSc AIJ."""
     rows, columns = unit.getLocalSize()
     above, below = identity(columns, unit.comm), identity(rows, unit.comm)
     below.scale(corner)

@@ -2,8 +2,8 @@
 
 Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
 Without friction it is solved as a symmetric problem. With damping or rotation the problem is
-quadratic in lambda, and its companion form is solved about real shifts. The driver takes a
-parametric pencil, not bodies.
+quadratic in lambda, and its companion form is solved about real shifts. The driver works on a
+parametric pencil and knows nothing of bodies.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -33,7 +33,7 @@ from cea.petsc import give_back
 from cea.timing import StageTimer
 
 ABOVE = 1.05
-"""End of a search with hints relative to that of the window."""
+"""Upper end of the searched frequencies relative to max_frequency where hints are requested."""
 
 
 class EigenSolver:
@@ -42,7 +42,7 @@ class EigenSolver:
     Parameters
     ----------
     pencil
-        What is solved.
+        Parametric pencil whose eigenvalues are computed.
     options
         Options of the method.
 
@@ -54,7 +54,7 @@ class EigenSolver:
 
     def __init__(self, pencil: Pencil, options: KrylovOptions | None = None) -> None:
         if not any(term.role == "mass" for term in pencil.terms):
-            raise InputError("mass", None, "a mass: modes have none without")
+            raise InputError("mass", None, "a mass matrix, which modal analysis requires")
         self.pencil, self.options = pencil, options or KrylovOptions()
         self.solves = self.factorisations = 0
         self._summed: tuple[dict[str, float], Matrices] | None = None
@@ -66,7 +66,7 @@ class EigenSolver:
         self.free()
 
     def free(self) -> None:
-        """Free the sums and give their memory back."""
+        """Free the assembled matrices and return their memory to the system."""
         if self._summed is not None:
             release(self._summed[1])
             self._summed = None
@@ -82,32 +82,32 @@ class EigenSolver:
         hints: bool = False,
         timer: StageTimer | None = None,
     ) -> Modes:
-        """All modes up to a frequency, of any growth.
+        """Return all modes up to a frequency, whatever their growth rates.
 
         Parameters
         ----------
         max_frequency
-            Upper end of the modes asked for (Hz).
+            Upper end of the window (Hz).
         changes
-            Parameters of the pencil that differ from their own values.
+            Values of parameters of the pencil that replace their defaults.
         min_growth
-            With damping or rotation, growth rate (1/s), zero or less, down to which modes are
-            asked for; None takes a tenth of the angular frequency of the end, or less where
-            overdamped modes crowd. Without, modes that decay mirror those that grow.
+            Lower end of the growth rates of damped or rotating systems (1/s), zero or negative.
+            None takes minus a tenth of 2 pi max_frequency, or less in modulus where many overdamped
+            modes cluster. Ignored otherwise: decaying modes mirror growing ones.
         left
-            Whether left vectors are wanted too, for sensitivities and true condition numbers.
+            Whether to compute left vectors, for sensitivities and true condition numbers.
         hints
-            Whether the window names modes that grow up to 5 percent above its end, and where it is
-            empty the lowest mode above.
+            Whether the window reports growing modes up to 5 percent above its end, and, where it
+            is empty, the lowest mode above it.
         timer
-            Counts assembly, factorisation, krylov and post-processing.
+            Timer of the stages assembly, factorisation, krylov and post-processing.
 
         Raises
         ------
         InputError
-            When a parameter is unknown or refused.
+            When a parameter is unknown or its value is not allowed.
         ConvergenceError
-            When the window cannot be searched; the modes found so far are attached.
+            When the search of the window fails; the modes found so far are attached.
         """
         if not 0 < max_frequency < np.inf:
             raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
@@ -140,12 +140,12 @@ class EigenSolver:
 
     @contextmanager
     def _counted(self, search: Search, listed: Callable[[Modes], Modes]) -> Iterator[None]:
-        """Count what a search takes, free it, and attach the modes to be listed where it fails."""
+        """Count the factorisations of a search, free it, and attach its modes to its errors."""
         try:
             yield
         except LinAlgError as error:
             raise ConvergenceError(
-                f"numbers of this system are too far apart to be computed with ({error})"
+                f"entries of this system differ too much in size for double precision ({error})"
             ) from error
         except ConvergenceError as error:
             if isinstance(error.best, InvariantSubspace) and error.best.size:
@@ -160,11 +160,11 @@ class EigenSolver:
             search.free()
 
     def _modes(self, search: Search, *, left: bool | None) -> Modes:
-        """Modes of what was found, with errors; where ``left`` is None without left vectors."""
+        """Return the modes of the subspace found, with errors; no left vectors if left is None."""
         subspace, op, timer = search.found, search.near, search.timer
         assert subspace is not None
         assert self._summed is not None
-        with timer("post-processing"):  # those around the window show too what rounding does
+        with timer("post-processing"):  # guard eigenvalues also show the effect of rounding
             pairs = error_estimates(op, subspace)
             unsure = left is not None and needs_left_vectors(op, subspace, pairs)
         both: tuple[Complexes, LeftVectors] | None = None
@@ -193,14 +193,15 @@ class EigenSolver:
         *,
         timer: StageTimer | None = None,
     ) -> Modes:
-        """The few modes nearest to kappa = -lambda^2.
+        """Return the modes nearest to a given kappa = -lambda^2.
 
-        With damping or rotation they are nearest in lambda, to the root with Im lambda > 0, or the
-        positive one.
+        With damping or rotation distances are measured in lambda, from the root of -kappa with
+        Im lambda > 0, or the positive one.
 
-        ``kappa`` is any real number (1/s^2), with damping or rotation any but zero. A few more than
-        ``wanted`` may come. Other parameters are those of :meth:`solve`; InputError when there is
-        no such place, or too few are wanted, ConvergenceError when fewer converge.
+        ``kappa`` is any real number (1/s^2), with damping or rotation any nonzero one. A few more
+        modes than ``wanted`` may be returned. Other parameters are those of :meth:`solve`.
+        InputError when ``kappa`` or ``wanted`` is not allowed, ConvergenceError when fewer modes
+        converge.
         """
         if wanted < 1:
             raise InputError("wanted", wanted, "1 or more")
@@ -214,7 +215,7 @@ class EigenSolver:
             place = complex(np.sqrt(-complex(kappa)))
             place = place if place.imag >= 0 else -place
         elif isinstance(kappa, complex):
-            raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
+            raise InputError("kappa", kappa, "a real number without damping and rotation")
         end = abs(place) if matrices.quadratic else np.inf
         search = Search(matrices, end, self.options, timer)
 
@@ -232,21 +233,21 @@ class EigenSolver:
             return listed(self._modes(search, left=None))
 
     def _lowest(self, end: float, changes: Mapping[str, float] | None) -> float | None:
-        """Frequency (Hz) of the lowest mode, which lies above the end of an empty window (Hz)."""
+        """Return the frequency (Hz) of the lowest mode above the end of an empty window (Hz)."""
         try:
             found = self.nearest(0.5 * (2 * np.pi * end) ** 2, 1, changes).frequencies
         except ConvergenceError as error:
-            if isinstance(error.best, Modes):  # rounding may have moved them out of the window
+            if isinstance(error.best, Modes):  # rounding may have moved modes out of the window
                 raise
-            return None  # there may be no mode at all
+            return None  # the system may have no mode at all
         return min(found[found > end].tolist(), default=None)
 
     def matrices(self, changes: Mapping[str, float] | None = None) -> Matrices:
-        """The pencil at given parameters, freed when it is asked for at others."""
+        """Return the matrices at given parameters; they are freed when the parameters change."""
         values = self.pencil.values(changes)
         if self._summed is not None and self._summed[0] == values:
             return self._summed[1]
-        before, self._summed = self._summed, None  # an interruption leaves nothing that was freed
+        before, self._summed = self._summed, None  # no freed matrices remain after an interruption
         if before is not None:
             release(before[1])
         self._summed = (values, self.pencil.at(values))
@@ -261,7 +262,7 @@ def solve_modes(
     options: KrylovOptions | None = None,
     **asked: Any,
 ) -> Modes:
-    """All modes of a pencil up to a frequency: one solve of an :class:`EigenSolver`.
+    """Return all modes of a pencil up to a frequency by one solve of an :class:`EigenSolver`.
 
     Parameters and errors are those of the solver and of :meth:`EigenSolver.solve`.
     """

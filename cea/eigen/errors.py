@@ -1,25 +1,25 @@
 """Eigenpairs of an invariant subspace, with residuals, backward errors and condition numbers.
 
 With a left vector y, y^H (2 lambda M + D) x = 1, a backward error e of lambda^2 moves an eigenvalue
-by || y ||_M e, and by no more than sqrt(e) where the two of a motion meet. Left vectors are those
-within the invariant subspace, unless they are searched, and never shorter than
+by || y ||_M e, and by at most sqrt(e) where the two eigenvalues of a mode meet. Left vectors are
+those of the invariant subspace, unless they are computed separately, with norms of at least
 1 / || (2 lambda M + D) x ||. Without damping the eigenvalue is kappa = -lambda^2, and || y ||_M its
 condition number.
 
-The backward error is the norm of the residual r in M^-1, nearly, or what r is in the inverse
-problem, which is the one that was solved: without damping
+The backward error is about the norm of the residual r in M^-1, or that of the inverse problem,
+which was the one solved: without damping
 
     abs(kappa - sigma) || (K - sigma M)^-1 r ||_M.
 
-The smaller one counts, and rounding of the entries: u abs(x)^T abs(P) abs(x).
+The smaller of the two is taken, plus the rounding of the entries, u abs(x)^T abs(P) abs(x).
 
-What the subspace of right vectors leaves out of left ones comes of one step of inverse iteration
-with the transposed matrix. Where it is large, or conditions are bad, left vectors are searched
-themselves. The error of lambda is then, however unknowns and equations are scaled,
+One step of inverse iteration with the transposed matrix estimates the part of the left vectors
+outside the subspace of right vectors. Where it is large, or eigenvalues are ill-conditioned, the
+left vectors are computed. The error of lambda is then, for any scaling of unknowns and equations,
 
     e / abs(y^H (2 lambda M + D) x),    e = abs(y)^T (abs(r) + u abs(P) abs(x)),
 
-and the difference of left and right eigenvalues is a backward error that all of them share.
+and the largest difference of left and right eigenvalues counts as a backward error of all of them.
 """
 
 from collections.abc import Iterator
@@ -40,32 +40,32 @@ from cea.errors import ConvergenceError
 from cea.matrices import destroy
 
 _SMALL = 1e-8
-"""Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
+"""Backward error relative to the eigenvalue above which a solve sharpens its estimate."""
 _LUMPED = 4.0
-"""What the norm of the inverse of a mass is at most, about, in that of its diagonal."""
+"""Approximate upper bound of the norm in M^-1 relative to that in diag(M)^-1."""
 SAME = 1e-4
-"""Relative distance of left and right eigenvalues beyond which they are not the same."""
+"""Relative distance above which a left and a right eigenvalue are treated as different."""
 _ILL = 1e2
-"""Condition number up to which one residual says enough of an eigenvalue."""
+"""Condition number above which left vectors are computed."""
 _PLAIN, _COLUMNS = 30.0, 4
-"""What may be left out of left vectors for the subspace to say enough of them, by so many random
-combinations of it."""
+"""Norm of the part of left vectors outside the subspace above which they are computed, and number
+of random combinations by which it is estimated."""
 _ROUGH = 1e-11
-"""Residual of a damped eigenpair up to which it is as good as rounding lets it be."""
+"""Residual of a damped eigenpair above which it exceeds rounding, and left vectors are computed."""
 _UNKNOWN = 1e300
-"""Error in the place of an infinite one."""
+"""Finite number in place of an infinite slope."""
 
 
 @dataclass(frozen=True)
 class Eigenpairs:
-    """Eigenpairs of a window and around it."""
+    """Eigenpairs of a window and guard eigenpairs outside."""
 
     values: Complexes  # kappa (1/s^2), or with damping or rotation lambda (1/s), shape (n,)
     vectors: Complexes  # eigenvectors with x^H M x = 1, rows of this rank, shape (n_local, n)
     forces: Complexes  # multipliers, those of contacts first, shape (of this rank, n)
-    residuals: Floats  # as :class:`cea.eigen.spectrum.Spectrum` has them
+    residuals: Floats  # as in :class:`cea.eigen.spectrum.Spectrum`
     conditions: Floats  # condition numbers of the values within the invariant subspace
-    # what a backward error is multiplied by: the condition number, with damping norm(y)_M (s)
+    # error of a value per backward error: the condition number, with damping norm(y)_M (s)
     slopes: Floats
     # backward errors of lambda^2 (1/s^2): of the residual, and of rounding the matrices
     errors: Floats
@@ -77,11 +77,11 @@ class Eigenpairs:
 
 
 def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
-    """Eigenpairs of an invariant subspace, normalised, with their errors.
+    """Return normalised eigenpairs of an invariant subspace with their errors.
 
-    Where contact forces are unknowns, one step of inverse iteration gives displacements that obey
-    the contact, and the forces. With damping conjugates with Im lambda < 0 are left out but for
-    those next to the real axis. The operator is one near to the eigenvalues.
+    With contact forces as unknowns, one step of inverse iteration yields the forces, and
+    displacements that satisfy the contact conditions. With damping, conjugates with Im lambda < 0
+    are omitted except next to the real axis. The shift of ``op`` should be near the eigenvalues.
     """
     matrices, comm = op.matrices, op.matrices.stiffness.comm
     values, vectors = subspace.eigenpairs(matrices.stiffness.getLocalSize()[0])
@@ -89,7 +89,7 @@ def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
     if op.damped:
         kept = np.flatnonzero(values.imag >= -MARGIN * op.scale)
         values, vectors, duals = values[kept], vectors[:, kept], duals[:, kept]
-        # Left vectors are scaled by lambda, which may be zero to the last digit.
+        # Left vectors are scaled by lambda, which may be exactly zero.
         values = np.where(values == 0, 1j * np.finfo(float).eps * op.scale, values)
     conditions = np.maximum(np.linalg.norm(duals, axis=0), 1.0)
     slopes = _slopes(op, subspace, duals) if op.damped else conditions.copy()
@@ -111,7 +111,7 @@ def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
         if matrices.multipliers is None:
             lengths[block] = size
         vectors[:, block], forces[:, block] = x, f
-        if op.symmetric:  # Rayleigh's quotient has the square of the vector's error
+        if op.symmetric:  # the error of the Rayleigh quotient is the square of the vector's
             change = columns_inner(x, defect, comm).real
             values[block] = value = value + change
             defect -= inertia * change
@@ -129,7 +129,7 @@ def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
             slopes[block] *= lengths[block]
         error = _LUMPED * norms(defect / root, comm)
         large = np.flatnonzero(error > _SMALL * scale)
-        if len(large):  # solves cost as much as all the rest
+        if len(large):  # these solves cost as much as all the rest
             step = op.factors.solve_block(np.asfortranarray(defect[:, large]))
             length = np.sqrt(np.abs(columns_inner(step, times(matrices.mass, step), comm)))
             chosen = block[large]
@@ -147,7 +147,7 @@ def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
 def residual(
     op: ShiftInvert, values: NDArray[Any], x: NDArray[Any], f: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """P(lambda) [x; f], its derivative (2 lambda M + D) x, M x undamped, and M x."""
+    """Return P(lambda) [x; f], its derivative (2 lambda M + D) x (undamped: M x), and M x."""
     inertia = times(op.matrices.mass, x)
     defect = internal_forces(op.matrices, x, f) + op.square(values) * inertia
     if not op.damped:
@@ -157,7 +157,7 @@ def residual(
 
 
 def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> Floats:
-    """Norms of the second halves of dual vectors of the companion form (s), of unit vectors."""
+    """Return the M-norms of the second halves of dual vectors of the companion form (s)."""
     rows = len(subspace.basis) // 2
     second, comm = np.asfortranarray(subspace.basis[rows:]), op.matrices.stiffness.comm
     gram = np.empty((subspace.size,) * 2)
@@ -168,7 +168,7 @@ def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> F
 
 
 def _blocks(values: Complexes, vectors: Complexes) -> Iterator[tuple[Ints, NDArray[np.inexact]]]:
-    """Numbers of eigenvalues with their vectors, real ones in real numbers."""
+    """Yield blocks of indices with their eigenvectors, as real arrays for real eigenvalues."""
     real = values.imag == 0
     for chosen, part in ((real, np.real), (~real, np.asarray)):
         numbers = np.flatnonzero(chosen)
@@ -179,10 +179,10 @@ def _blocks(values: Complexes, vectors: Complexes) -> Iterator[tuple[Ints, NDArr
 
 @dataclass(frozen=True)
 class LeftVectors:
-    """Left eigenvectors y with y_i^H M x_j = delta_ij, or as damped pencils have them.
+    """Left eigenvectors y with y_i^H M x_j = delta_ij, the rows of this rank.
 
-    There y_i^H ((lambda_i + lambda_j) M + D) x_j is 2 lambda_i for i = j, and zero otherwise.
-    ``forces`` are their multipliers; both are the rows of this rank.
+    With damping or rotation y_i^H ((lambda_i + lambda_j) M + D) x_j = 2 lambda_i delta_ij.
+    ``forces`` are their multipliers.
     """
 
     vectors: Complexes
@@ -193,14 +193,14 @@ class LeftVectors:
 
 
 def needs_left_vectors(op: ShiftInvert, subspace: InvariantSubspace, pairs: Eigenpairs) -> bool:
-    """Whether the right vectors say too little of the errors of eigenvalues; collective."""
+    """Whether errors cannot be estimated without computing left vectors; collective."""
     if op.symmetric or not len(pairs.values):
         return False
     rough = op.damped and pairs.residuals.max() > _ROUGH
     if subspace.graded or rough or pairs.conditions.max() > _ILL:
         return True
     mixed = np.random.default_rng(3).standard_normal((subspace.size, _COLUMNS))
-    # Of what is far from the shift a step of inverse iteration leaves rounding.
+    # A step of inverse iteration leaves mere rounding of vectors far from the shift.
     far = np.abs(np.diag(subspace.projected) - op.shift) / abs(op.shift)
     mixed /= np.maximum(1.0, far)[:, None]
     moved = subspace.projected.T @ mixed - op.shift * mixed
@@ -212,18 +212,18 @@ def needs_left_vectors(op: ShiftInvert, subspace: InvariantSubspace, pairs: Eige
 def left_vectors_of(
     op: ShiftInvert, pairs: Eigenpairs, left_values: Complexes, left: Complexes
 ) -> LeftVectors:
-    """Left vectors of eigenpairs, in their order; where eigenvalues touch, a dual basis.
+    """Return left vectors in the order of the eigenpairs; a dual basis for close eigenvalues.
 
-    They are of eigenvalues of the transposed pencil and their vectors, conjugates of left ones.
-    ConvergenceError when an eigenvalue has no left vector.
+    ``left_values`` and ``left`` are eigenvalues and vectors of the transposed pencil; the vectors
+    are conjugates of left ones. ConvergenceError when an eigenvalue has no left vector.
     """
     values, x = pairs.values, pairs.vectors
-    slow = SLOW * op.scale if op.damped else (SLOW * op.scale) ** 2  # rigid motions have no speed
+    slow = SLOW * op.scale if op.damped else (SLOW * op.scale) ** 2  # for rigid body modes
     scale = np.abs(values).max(initial=slow)
     rows, columns = assign(np.abs(values[:, None] - left_values) / scale, SAME)
     if len(rows) < len(values):
         raise ConvergenceError(
-            f"{len(values) - len(rows)} of {len(values)} eigenvalues have no left vector",
+            f"no left vector was found for {len(values) - len(rows)} of {len(values)} eigenvalues",
             best=left_values,
         )
     y = left[:, columns].conj()
@@ -243,10 +243,10 @@ def two_sided(
     pairs: Eigenpairs,
     left: tuple[Complexes, LeftVectors] | None,
 ) -> Eigenpairs:
-    """Eigenpairs whose errors are those by their left vectors, where these say much more.
+    """Return the eigenpairs with errors estimated by their left vectors.
 
-    Given are all eigenvalues of the transposed pencil, and the left vectors of the pairs; nothing
-    is known of any error without.
+    ``left`` holds all eigenvalues of the transposed pencil, and the left vectors of the pairs.
+    Without it all errors are infinite.
     """
     values = pairs.values
     if left is None:
@@ -255,19 +255,19 @@ def two_sided(
     errors, slopes = _two_sided_errors(op, pairs, left[1])
     slopes = np.nan_to_num(slopes, nan=0.0, posinf=_UNKNOWN)
     slopes = np.maximum(slopes, np.finfo(float).tiny if subspace.graded else pairs.slopes)
-    # Of a graded pencil lengths say something in the units that the subspace was found in.
+    # Norms of a balanced pencil are only meaningful in the scaled unknowns of the subspace.
     measure = pairs.conditions if subspace.graded else slopes
     far = np.maximum(1.0, np.abs(op.square(values)) / op.scale**2)
     distances = np.abs(values[:, None] - left[0])
     rows, columns = assign(distances)
-    apart = distances[rows, columns] / (measure * far)[rows]  # a backward error for all of a window
+    apart = distances[rows, columns] / (measure * far)[rows]  # backward errors
     explained = far * float(apart.max(initial=0.0))
     moved = explained * measure
     if op.damped and not subspace.graded:
         moved = np.minimum(moved, np.sqrt(explained))
     errors = np.maximum(errors, moved)
     for members in connected(np.abs(values[:, None] - values) <= np.add.outer(errors, errors)):
-        errors[members] *= len(members)  # discs that overlap hold all of their eigenvalues
+        errors[members] *= len(members)  # a union of overlapping discs holds their eigenvalues
     conditions = pairs.conditions if op.damped else slopes
     return replace(pairs, slopes=slopes, conditions=conditions, errors=errors / slopes)
 
@@ -275,7 +275,7 @@ def two_sided(
 def _two_sided_errors(
     op: ShiftInvert, pairs: Eigenpairs, left: LeftVectors
 ) -> tuple[Floats, Floats]:
-    """Errors of eigenvalues, and lengths of left vectors of unit product, shape (n,)."""
+    """Return errors of eigenvalues and norms of left vectors, y^H (2 lambda M + D) x = 1, (n,)."""
     matrices, comm, n = op.matrices, op.matrices.stiffness.comm, len(pairs.values)
     errors, slopes = np.empty((2, n))
     sizes = Sizes(matrices)

@@ -1,8 +1,8 @@
-"""Where friction can move eigenvalues, and how fast modes may grow: bounds by fields of values.
+"""Bounds of eigenvalues and growth rates by the field of values.
 
-With x^H M x = 1 an eigenvalue is kappa = x^H K x. Where H + X M, H = (K + K^T) / 2, has no negative
-eigenvalue none has Re kappa < -X (Bendixson). With N = (K - K^T) / 2 and the smallest t for which
-abs(x^H N x) <= t x^H (H + X M) x holds for every x, kappa lies in the cone
+With x^H M x = 1 an eigenvalue is kappa = x^H K x. If H + X M, H = (K + K^T) / 2, has no negative
+eigenvalue, no kappa has Re kappa < -X (Bendixson). With N = (K - K^T) / 2 and the smallest t for
+which abs(x^H N x) <= t x^H (H + X M) x holds for every x, kappa lies in the cone
 
     abs(Im kappa) <= t (Re kappa + X).
 
@@ -10,22 +10,22 @@ Multipliers f enter H through M = (J + L) / 2 and D = (J - L) / 2,
 
     H = K_b + M^T C^-1 M - D^T C^-1 D,
 
-as two sets of unknowns; where friction acts without compliance there is no bound. Of each set
-those that its closures leave open have rows of their own, and a negative eigenvalue.
+as two sets of unknowns; there is no bound where friction acts without compliance. For each
+dependent closure each set has an additional row; the two add one negative eigenvalue.
 
 With damping let h + i n be x^H K x and c + i y be x^H (C + Y) x. An eigenvalue lambda = g + i w
-obeys x^H P(lambda) x = 0, of which the real part, as it is and divided by lambda, is
+satisfies x^H P(lambda) x = 0. The real parts of this equation and of it divided by lambda are
 
     g^2 - w^2 + g c - w y + h = 0,       g (abs(lambda)^2 + h) + c abs(lambda)^2 + w n = 0.
 
-The first: with y the row sums of abs(Y), no eigenvalue with abs(w) <= omega grows at the rate g
-where H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, nor faster if
-2 g M + C has none. The second: where h >= -X, c >= -d, and abs(n) <= t (h + X),
+By the first, with y the row sums of abs(Y), no eigenvalue with abs(w) <= omega has the growth rate
+g if H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, nor a larger one if
+2 g M + C has none. By the second, if h >= -X, c >= -d, and abs(n) <= t (h + X),
 
     g <= max(t omega + 2 d, sqrt(2 X)).
 
-H and C are symmetric parts, Y the skew one. Pieces of C of low rank are positive semidefinite: both
-hold for the sum where they hold without them.
+H and C are symmetric parts, Y is the skew part. Low-rank terms of C are positive semidefinite:
+bounds that hold without them hold for the sum.
 """
 
 from collections.abc import Callable, Sequence
@@ -54,25 +54,26 @@ from cea.matrices import (
 from cea.petsc import MPI, Mat
 
 type Operation = Callable[[Floats], Floats]
-"""What takes the rows of this rank of a block of vectors to those of another."""
+"""Linear operator on a block of vectors, the rows of this rank."""
 
 _COLUMNS, _STEPS = 8, 4
-"""Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
+"""Columns of a block and steps of the Krylov space that estimates the slope of the cone."""
 _SAFETY = 1.5
-"""Factor on that estimate, which comes from below and has mostly converged."""
+"""Safety factor on that estimate, which is a lower bound."""
 _DEPENDENT = 1e-12
-"""Square of a new direction, relative to the largest, below which it is not one."""
+"""Squared norm of a new direction relative to the largest below which it is dropped."""
 _DEPTH = 0.02
 """X of the cone of damped pencils relative to omega^2."""
 _NEGATIVE = (1e-6, 1e-2, 0.1)
-"""Negative damping d relative to omega that is tried: none but for rounding, and some."""
+"""Bounds d of negative damping relative to omega, tried in turn; the first allows for rounding."""
 
 
 def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> float | None:
-    """A slope with abs(Im kappa) <= slope (Re kappa + X) where Re kappa >= -X, else None.
+    """Return the slope of a cone abs(Im kappa) <= slope (Re kappa + X) that holds all kappa.
 
-    One factorisation at the depth X (1/s^2) says so; ConvergenceError when it fails. The slope is
-    told where a cone is asked for; it stays infinite where forces are tied or dependent.
+    None where one factorisation at the depth X (1/s^2) does not show Re kappa >= -X. Without
+    ``cone``, and for tied or dependent forces, the slope is infinite (without friction zero).
+    ConvergenceError when the factorisation fails.
     """
     if matrices.symmetric:
         return None if count_below(matrices, -depth) else 0.0
@@ -88,7 +89,7 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
 
 
 def largest_growth(matrices: Matrices, end: float) -> float:
-    """Rate (1/s) that no eigenvalue with abs(Im lambda) <= end exceeds by the cone, or infinity."""
+    """Return an upper bound (1/s) of Re lambda for abs(Im lambda) <= end by the cone, or inf."""
     depth = _DEPTH * end**2
     slope = field_of_values(matrices, depth, cone=True)
     if slope is None or not np.isfinite(slope):
@@ -102,7 +103,7 @@ def largest_growth(matrices: Matrices, end: float) -> float:
 
 
 def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
-    """Whether no eigenvalue with abs(Im lambda) <= end (1/s) can grow at a rate (1/s) or faster."""
+    """Whether no eigenvalue with abs(Im lambda) <= end (1/s) has Re lambda >= growth (1/s)."""
     damping, parts = _symmetric_damping(matrices), []
     if damping is not None:
         if not _positive(matrices, damping, 2 * growth):
@@ -121,7 +122,7 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
 
 
 def _symmetric_damping(matrices: Matrices) -> Mat | None:
-    """Symmetric part of C + Y, a new matrix; None without."""
+    """Return the symmetric part of C + Y as a new matrix; None without damping and rotation."""
     parts = [(1.0, each) for each in (matrices.damping, matrices.gyroscopic) if each is not None]
     return symmetrised(scaled_total(parts)) if parts else None
 
@@ -132,7 +133,7 @@ def _positive(matrices: Matrices, damping: Mat, rate: float) -> bool:
 
 
 def _skew_row_sums(matrix: Mat) -> Mat:
-    """Diagonal matrix of the row sums of the absolute values of the skew part, PETSc AIJ."""
+    """Return the diagonal matrix of the row sums of the absolute skew part, PETSc AIJ."""
     skew = antisymmetrised(matrix.copy())
     sums = np.asarray(abs(local_part(skew)).sum(axis=1)).ravel()
     (local, _), columns = skew.getSizes()
@@ -143,9 +144,9 @@ def _skew_row_sums(matrix: Mat) -> Mat:
 
 
 def _definite(hermitian: Mat, forces: Multipliers | None) -> Mumps | None:
-    """Factors of a matrix in the place of H + X M with contact forces, which is freed with them.
+    """Return the factors of H + X M with contact forces; they own the matrix.
 
-    None where it has a negative eigenvalue, or that has no bound.
+    None where H + X M has a negative eigenvalue, or contact forces have no bound.
     """
     expected = 0
     if forces is not None:
@@ -164,9 +165,9 @@ def _definite(hermitian: Mat, forces: Multipliers | None) -> Mumps | None:
 
 
 def _largest_slope(factors: Mumps, matrices: Matrices) -> float:
-    """Estimate from below of the largest abs(x^H N x) / x^H (H + X M) x.
+    """Return a lower estimate of the largest abs(x^H N x) / x^H (H + X M) x.
 
-    The factors are those of H + X M. Infinite where the compliance of forces is singular.
+    ``factors`` are those of H + X M. Infinite where the compliance of forces is singular.
     """
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
     forces = matrices.multipliers
@@ -174,7 +175,7 @@ def _largest_slope(factors: Mumps, matrices: Matrices) -> float:
     if forces is not None:
         try:
             compliance = Mumps(forces.compliance.copy(), symmetric=True)
-        except ConvergenceError:  # what shows nothing must not end a run
+        except ConvergenceError:  # without this bound the run continues
             return np.inf
 
     def unsymmetric(x: Floats, *, transposed: bool = False) -> Floats:
@@ -200,10 +201,10 @@ def _largest_slope(factors: Mumps, matrices: Matrices) -> float:
 
 
 def _largest_quotient(solve: Operation, skew: Operation, rows: int, comm: Any) -> float:
-    """Estimate from below of max abs(x^H N x) / x^H H x by block Krylov.
+    """Return a lower estimate of max abs(x^H N x) / x^H H x by a block Krylov method.
 
-    ``solve`` and ``skew`` are H^-1 and N times a block. The vectors are orthonormal in H, with
-    which H^-1 N is skew.
+    ``solve`` and ``skew`` apply H^-1 and N to a block. The basis is orthonormal in H, in which
+    H^-1 N is skew.
     """
     most = _COLUMNS * _STEPS
     basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))
@@ -211,7 +212,7 @@ def _largest_quotient(solve: Operation, skew: Operation, rows: int, comm: Any) -
     load, size = skew(start), 0
     for _ in range(_STEPS):
         block, image = np.asfortranarray(solve(load)), load.copy(order="F")
-        for _ in range(2):  # what rounding leaves of the first projection goes with the second
+        for _ in range(2):  # the second projection removes rounding of the first
             part = all_inner(images[:, :size], block, comm)
             block -= basis[:, :size] @ part
             image -= images[:, :size] @ part
@@ -231,7 +232,7 @@ def _largest_quotient(solve: Operation, skew: Operation, rows: int, comm: Any) -
 def _hermitian_part(
     matrices: Matrices, depth: float, more: Sequence[tuple[float, Mat]] = ()
 ) -> Mat:
-    """H + depth M, H = (K + K^T) / 2, and other pieces on the displacements, PETSc AIJ."""
+    """Return H + depth M, H = (K + K^T) / 2, plus further matrices, PETSc AIJ."""
     parts = [(1.0, matrices.stiffness), (depth, matrices.mass), *more]
     if matrices.unsymmetric is None:
         return scaled_total(parts)
@@ -242,7 +243,7 @@ def _hermitian_part(
 
 
 def _two_sets(forces: Multipliers) -> Multipliers | None:
-    """Forces of contacts as two sets of unknowns, of M and of D; None where there is no bound."""
+    """Return contact forces as two sets of unknowns, of M and D; None where there is no bound."""
     mean, half = (
         scaled_total([(0.5, forces.closure), (sign, forces.reaction)]) for sign in (0.5, -0.5)
     )

@@ -1,16 +1,16 @@
-"""Block Krylov-Schur method: eigenvalues around a shift, from many start vectors at once.
+"""Block Krylov-Schur method: eigenvalues near a shift from a block of start vectors.
 
-With an operator OP whose eigenvalues theta are largest near a shift, and vectors Q locked before,
+With an operator OP whose eigenvalues theta are largest near a shift, and locked vectors Q,
 
     OP [Q V] = [Q V] [ T  C ]
                      [ 0  H ] + residual,
 
-so that Q and V together remain an invariant subspace, friction or not (Stewart, A Krylov-Schur
-algorithm for large eigenproblems, SIAM J. Matrix Anal. Appl. 23 (2002)). That none is missing is
-verified before the search ends: random vectors are appended to the last block, orthogonalised
-against the whole basis, and take part for some steps more. They see what the start block did not,
-further copies of multiple eigenvalues above all. Where more Ritz values lie in the disc then, other
-random vectors are appended.
+so that Q and V together span an invariant subspace, with friction or without (Stewart, A
+Krylov-Schur algorithm for large eigenproblems, SIAM J. Matrix Anal. Appl. 23 (2002)). Before the
+search ends it verifies that no eigenvalue is missing: random vectors, orthogonalised against the
+whole basis, are appended to the last block, and the iteration continues for some steps. They reveal
+eigenvalues that the start block missed, above all those of higher multiplicity. If the disc then
+holds more Ritz values, new random vectors are appended.
 """
 
 import sys
@@ -36,16 +36,17 @@ from cea.eigen.subspace import (
 from cea.errors import ConvergenceError
 
 _POWERS = 3
-"""Times that OP is applied to the start block: it costs less than a further block, and takes
-infinite eigenvalues and those far away out of all that follow."""
+"""Number of times that OP is applied to the start block. It costs less than a further block, and
+removes the components of infinite and distant eigenvalues."""
 _TINY = 1e-20
-"""Square of a direction of start vectors, relative to the largest, from which on it is rounding."""
+"""Lower bound of squared norms of start vectors, relative to the largest; smaller ones are
+rounding."""
 _CLEAR = 3.0
-"""Residuals by which an eigenvalue outside a disc must lie outside."""
+"""Least distance of a Ritz value outside from the boundary, in multiples of its residual."""
 _NEAR_SHIFT = 1e-6
-"""Distance of an eigenvalue from the shift, relative to it, at which all others lose digits."""
+"""Relative distance of an eigenvalue from the shift below which all others lose digits."""
 _PAIR = 1e-9
-"""Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
+"""Relative difference of moduli up to which eigenvalues are not separated: conjugate pairs."""
 
 
 @dataclass(frozen=True)
@@ -53,22 +54,22 @@ class KrylovOptions:
     """Options of the block Krylov-Schur method and of the search of a window."""
 
     block: int = 8  # columns of a block
-    tolerance: float = 1e-13  # residual relative to theta below which what is wanted has converged
-    # the same of eigenvalues in a disc that are not wanted, and where random vectors are appended
+    tolerance: float = 1e-13  # residual relative to theta of converged eigenvalues of the window
+    # the same for guard eigenvalues of a disc, and for appending random vectors
     loose: float = 1e-6
     # random vectors appended to verify that nothing is missing, and least block steps with them
     random_columns: int = 4
     random_steps: int = 4
-    first_check: int = 6  # blocks of a Krylov space before its Ritz values are looked at
-    growth: float = 1.1  # growth of the space between two Ritz checks
+    first_check: int = 6  # blocks of a Krylov space at the first convergence test
+    growth: float = 1.1  # factor on the size of the space between two convergence tests
     restart: float = 3.5  # size of the space at a restart, relative to the Ritz values in the disc
-    max_restarts: int = 200  # restarts before a search is given up
-    max_discs: int = 3  # most discs beyond the first
-    dense_limit: int = 1000  # most rows of an operator whose eigenvalues LAPACK computes
+    max_restarts: int = 200  # largest number of restarts
+    max_discs: int = 3  # largest number of discs beyond the first
+    dense_limit: int = 1000  # largest number of rows of an operator that LAPACK solves
 
 
 class CrowdedError(ConvergenceError):
-    """More eigenvalues in a disc than are worth their price."""
+    """A disc holds more eigenvalues than allowed."""
 
 
 def krylov_schur(
@@ -80,18 +81,19 @@ def krylov_schur(
     seed: int = 0,
     most: int = sys.maxsize,
 ) -> InvariantSubspace:
-    """What is locked together with the eigenvalues of a disc about the shift; collective.
+    """Return the locked subspace extended by the eigenvalues of a disc about the shift; collective.
 
-    Of small systems LAPACK computes all of them, and the result holds all of the window. The radius
-    is a number, or follows from the Ritz values; what is locked was found before, at any shift, of
-    the same pencil. With ``most`` eigenvalues in the disc it is crowded. Of a given radius it is
-    verified that none is missing.
+    For small systems LAPACK computes all eigenvalues, and the result holds the whole window. The
+    radius is a number, or a function of the Ritz values. The locked subspace of the same pencil
+    may have been computed at any shift. For a radius given as a number the search verifies that
+    no eigenvalue is missing.
 
     Raises
     ------
     ConvergenceError
-        When eigenvalues of the disc do not converge, with the invariant subspace so far;
-        CrowdedError when there are too many, SingularError when one is next to the shift.
+        When eigenvalues of the disc do not converge; the invariant subspace so far is attached.
+        CrowdedError when the disc holds more than ``most`` eigenvalues, SingularError when one is
+        next to the shift.
     """
     verified = callable(radius)
     radius_of = partial(radius, op.shift) if callable(radius) else lambda _: radius
@@ -110,7 +112,7 @@ def krylov_schur(
     random, block = np.random.default_rng([seed, op.rank]), options.block
     with closing(_started(op, locked, block, random)) as space:
         check, restarts = options.first_check * block, 0
-        counted, last_random = 0, 0  # random vectors take part up to that size
+        counted, last_random = 0, 0  # last_random: size of the space that ends the verification
 
         def append_random() -> bool:
             room = op.rows - locked.size - space.size - space.next
@@ -132,7 +134,7 @@ def krylov_schur(
             number = int(inside.sum())
             if last_random and (space.size >= last_random or not space.next):
                 verified, last_random = verified or number <= counted, 0
-            if not space.next:  # invariant: it holds all directions, or all that its vectors see
+            if not space.next:  # the space is invariant: the start vectors yield nothing more
                 counted, check = number, space.size + options.random_steps * block
                 if verified or not append_random():
                     finite = sizes * abs(op.shift) > op.negligible
@@ -140,7 +142,7 @@ def krylov_schur(
                 last_random = check
                 continue
             if number > most:
-                raise CrowdedError(f"a disc holds {number} eigenvalues or more")
+                raise CrowdedError(f"a disc holds at least {number} eigenvalues")
             wanted = _wanted(op, theta, inside)
             seen = converged | ~wanted & _outside(op, theta, residuals, nearly)
             if verified and seen[inside].all() and _clear(sizes, residuals, inside, least):
@@ -165,18 +167,21 @@ def krylov_schur(
 
 
 def _random_block(op: ShiftInvert, random: np.random.Generator, columns: int) -> Floats:
-    """So many random vectors in Fortran order."""
+    """Return a block of random vectors in Fortran order."""
     return np.asfortranarray(random.standard_normal((op.local, columns)))
 
 
 def _started(
     op: ShiftInvert, locked: InvariantSubspace, columns: int, random: np.random.Generator
 ) -> KrylovSpace:
-    """A space that begins with powers of OP on random vectors: infinite eigenvalues are gone."""
+    """Return a Krylov space started from powers of OP on random vectors.
+
+    The powers remove the components of infinite eigenvalues.
+    """
     space = KrylovSpace(op, locked.basis, op.rows - locked.size)
     start = _random_block(op, random, columns)
     for _ in range(_POWERS):
-        image = op.image(start)  # the vectors are made orthonormal: none hides the others
+        image = op.image(start)  # for orthonormal vectors, so that none dominates
         squares, axes = np.linalg.eigh(op.inner(start, image))
         turn = axes / np.sqrt(np.maximum(squares, _TINY * squares.max()))
         start = op.apply(combined(start, turn), combined(image, turn))
@@ -185,7 +190,7 @@ def _started(
 
 
 def _wanted(op: ShiftInvert, theta: Complexes, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Eigenvalues of the disc that are to converge: those of the window, and all nearer."""
+    """Return which Ritz values must converge: those of the window, and all nearer to the shift."""
     window = inside & ~op.outside(theta, np.zeros(len(theta)))
     farthest = np.abs(theta[window]).min(initial=np.inf)
     return inside & (np.abs(theta) >= (1 - _PAIR) * farthest)
@@ -194,7 +199,7 @@ def _wanted(op: ShiftInvert, theta: Complexes, inside: NDArray[np.bool_]) -> NDA
 def _outside(
     op: ShiftInvert, theta: Complexes, residuals: Floats, nearly: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Which of those that have nearly converged are outside of the window, whatever their error."""
+    """Return which nearly converged Ritz values lie outside the window by more than their error."""
     outside = nearly.copy()
     errors = _CLEAR * residuals[nearly] / np.abs(theta[nearly]) ** 2
     outside[nearly] = op.outside(theta[nearly], errors)
@@ -202,7 +207,7 @@ def _outside(
 
 
 def _clear(sizes: Floats, residuals: Floats, inside: NDArray[np.bool_], least: float) -> bool:
-    """Whether the first eigenvalue outside has converged enough to be outside."""
+    """Whether the largest Ritz value outside the disc is outside by more than its error."""
     if inside.all():
         return False
     outer = np.where(inside, 0.0, sizes)
@@ -211,7 +216,7 @@ def _clear(sizes: Floats, residuals: Floats, inside: NDArray[np.bool_], least: f
 
 
 def _leading(square: Floats, theta: Complexes, number: int) -> tuple[Floats, Floats]:
-    """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""
+    """Return the Schur form and vectors of the eigenvalues of largest modulus; no pair is split."""
     sizes = np.sort(np.abs(theta))[::-1]
     while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
         number += 1
@@ -226,7 +231,7 @@ def _locked(
     theta: Complexes,
     converged: NDArray[np.bool_],
 ) -> InvariantSubspace:
-    """The locked subspace with the leading eigenvalues, as far as they have converged."""
+    """Return the locked subspace extended by the leading converged eigenvalues."""
     order = np.argsort(-np.abs(theta))
     number = len(order) if converged.all() else int(np.argmin(converged[order]))
     if 0 < number < len(order):

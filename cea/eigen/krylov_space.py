@@ -1,6 +1,6 @@
-"""The space of a block Krylov method on SLEPc's BV: orthonormal vectors, an operator on them.
+"""Krylov space of a block method on SLEPc's BV: orthonormal vectors and the projected operator.
 
-A block is projected twice: where friction acts, what an operator makes of it lies in all vectors.
+Each block is orthogonalised twice, against all vectors: with friction there is no short recurrence.
 """
 
 from typing import Any
@@ -15,27 +15,27 @@ from cea.matrices import dense, destroy
 from cea.petsc import PETSc, SLEPc
 
 _NOISE = 1e-12
-"""Part of a vector that projections leave below which it lies in the space already."""
+"""Norm of a vector after orthogonalisation, relative to before, below which it is dropped."""
 _LEFT = 0.3
-"""Part of a direction that a further projection leaves below which it was rounding."""
+"""The same after a further orthogonalisation, below which the vector consists of rounding."""
 _PROJECTIONS = 3
-"""Most projections: the third for what the first leaves of small vectors, far from orthogonal."""
+"""Largest number of orthogonalisations; the third is for small vectors, which the first leaves far
+from orthogonal."""
 _FIRST, _GROWTH = 128, 1.3
-"""Least room for vectors, and its growth where it becomes too small."""
+"""Initial number of columns beyond the locked ones, and factor by which storage is enlarged."""
 _ORTHONORMAL = 1e-12
-"""Distance of inner products from those of orthonormal vectors that is good enough."""
+"""Largest deviation of the Gram matrix of orthonormal vectors from the identity."""
 
 
 class KrylovSpace:
-    """Vectors behind one another: locked ones Q, those of V, and a block U, the next.
+    """Orthonormal vectors [Q V U]: locked ones Q, the basis V, and the next block U.
 
-    They are orthonormal, at most so many as there is ``room`` for beside Q, and hold
-    OP V = Q C + [V U] H.
+    They satisfy OP V = Q C + [V U] H; V and U together have at most ``room`` columns.
 
     Attributes
     ----------
     size, next
-        Vectors of V, and of U.
+        Numbers of columns of V and U.
     operator, coupling
         H and C.
     """
@@ -56,16 +56,16 @@ class KrylovSpace:
 
     @property
     def square(self) -> Floats:
-        """The rows of H that are those of V, symmetric where OP is."""
+        """Rows of H that belong to V, symmetrised where OP is symmetric."""
         square = self.operator[: self.size]
         return symmetric_part(square) if self._op.symmetric else square
 
     def start(self, block: Floats) -> None:
-        """Begin with a block; V is empty."""
+        """Set the first block U; V is empty."""
         self._append(block)
 
     def extend(self) -> None:
-        """Take U into V, and OP U beside them as the next U."""
+        """Append U to V, and make the part of OP U orthogonal to [Q V] the next U."""
         size, columns = self.size, self.next
         first = self._locked + size
         product = self._op.apply(self._take(first, first + columns), self._image)
@@ -78,9 +78,9 @@ class KrylovSpace:
         self.coupling = np.hstack([self.coupling, coefficients[: self._locked]])
 
     def append_random(self, block: Floats) -> None:
-        """Take what of random vectors, overwritten, lies outside of the space into U: H has zeros.
+        """Orthogonalise random vectors against the space and append them to U; H gets zero rows.
 
-        The block is in Fortran order, the rows of this rank.
+        The block holds the rows of this rank in Fortran order, and is overwritten.
         """
         image, columns = self._image, self.next
         self.size += columns
@@ -91,11 +91,11 @@ class KrylovSpace:
         self.next += columns
 
     def combined(self, coefficients: Floats) -> Floats:
-        """V times columns."""
+        """Return V times the coefficients."""
         return combined(self._take(self._locked, self._locked + len(coefficients)), coefficients)
 
     def restart(self, form: Floats, vectors: Floats) -> None:
-        """Keep U and an invariant subspace of the square: its Schur form and Schur vectors."""
+        """Restart with U and an invariant subspace of H, given by Schur form and Schur vectors."""
         first = self._locked + self.size
         block = self._take(first, first + self.next).copy(order="F")
         rest = self.operator[self.size :] @ vectors
@@ -111,23 +111,23 @@ class KrylovSpace:
         self.coupling = self.coupling @ vectors
 
     def _vectors(self, columns: int) -> Any:
-        """A BV of so many columns."""
+        """Return a BV with the given number of columns."""
         vectors = SLEPc.BV().create(self._op.comm)
         vectors.setSizes((self._op.local, self._op.rows), columns)
         vectors.setType(SLEPc.BV.Type.MAT)
         return vectors
 
     def _rows(self, vectors: Any) -> Floats:
-        """The rows of this rank of a BV, whose array claims to have those of all ranks."""
+        """Return the rows of this rank of a BV; the shape of its array names those of all ranks."""
         return np.asarray(vectors.getArray())[: self._op.local]
 
     def _take(self, start: int, stop: int) -> Floats:
-        """Columns where they are: they must not be held while more are put behind."""
+        """Return a view of columns; it becomes invalid when columns are appended."""
         self._basis.setActiveColumns(0, self._basis.getSizes()[1])
         return self._rows(self._basis)[:, start:stop]
 
     def _put(self, start: int, block: Floats) -> None:
-        """Write columns from a place on; behind the last there is room for more."""
+        """Write a block at the columns from ``start``, and enlarge the storage where needed."""
         stop, room = start + block.shape[1], self._basis.getSizes()[1]
         if stop > room:
             larger = self._basis.duplicateResize(max(stop, int(_GROWTH * room)))
@@ -138,7 +138,10 @@ class KrylovSpace:
         self._take(start, stop)[:] = block
 
     def _project(self, block: Floats, image: Floats, stop: int) -> Floats:
-        """Coefficients of a block on the first vectors, given its image; they are subtracted."""
+        """Subtract from a block its projection on the first vectors; return the coefficients.
+
+        ``image`` is the block times the matrix of the inner product.
+        """
         self._basis.setActiveColumns(0, stop)
         vectors = self._vectors(block.shape[1])
         values = self._rows(vectors)
@@ -152,12 +155,12 @@ class KrylovSpace:
         return part
 
     def _append(self, w: Floats) -> Floats:
-        """Put the part of a block outside Q and V behind them: w = [Q V U] c, which is returned.
+        """Orthogonalise a block w against [Q V] to obtain U; return c of w = [Q V U] c.
 
-        Columns of w, which is overwritten, that lie in Q and V but for rounding leave none of U.
+        w is overwritten. Its columns that lie in the span of [Q V] up to rounding are dropped.
         """
         op, first = self._op, self._locked + self.size
-        most = self._room - self.size  # more directions there are not, but of rounding
+        most = self._room - self.size  # dimension of the space left
         inside: Floats = np.zeros((first, w.shape[1]))
         u, image, rest = w, op.image(w), np.eye(w.shape[1])
         whole: Floats = np.empty(0)
@@ -168,16 +171,16 @@ class KrylovSpace:
             gram = op.inner(u, image)
             if again and np.abs(gram - np.eye(len(gram))).max(initial=0.0) < _ORTHONORMAL:
                 break
-            if not again:  # what was projected is orthogonal to what is left
+            if not again:  # the projection is orthogonal to the rest: squared norms add
                 whole = _lengths(gram, inside)
             sizes = _lengths(gram, part)
             axes = np.linalg.eigh(gram / np.outer(sizes, sizes))[1]
             turn = axes / sizes[:, None]
             u, image = combined(u, turn), combined(image, turn)
-            # Of small vectors beside large ones the lengths say more than the eigenvalues.
+            # Norms of small vectors are more accurate than eigenvalues of the Gram matrix.
             lengths = _lengths(op.inner(u, image))
             rest = lengths[:, None] * (axes.T @ (sizes[:, None] * rest))
-            # What a second projection takes most of was rounding.
+            # A vector that a second projection reduces strongly consists of rounding.
             parts = lengths / _LEFT if again else np.linalg.norm(rest / whole, axis=1) / _NOISE
             kept = np.flatnonzero(parts > 1.0)
             kept = kept[max(0, len(kept) - most) :]
@@ -195,7 +198,10 @@ class KrylovSpace:
 
 
 def _lengths(gram: Floats, projected: Floats | None = None) -> Floats:
-    """Lengths of columns of these inner products, none zero, before parts were projected out."""
+    """Return norms of columns from their Gram matrix, before projected parts were subtracted.
+
+    They are at least the smallest positive number.
+    """
     squares = np.einsum("ii->i", gram)
     if projected is not None:
         squares = squares + np.linalg.norm(projected, axis=0) ** 2

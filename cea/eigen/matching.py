@@ -15,15 +15,15 @@ DEGENERATE = 1e-8
 """Relative distance below which eigenvalues count as one of higher multiplicity."""
 
 _NO_GROWTH = 1e-9
-"""Growth rates below this part of abs(lambda) are rounding."""
+"""Growth rate relative to abs(lambda) below which it counts as rounding."""
 _RIGID = 1e-6
-"""Eigenvalues below this part of the largest stand for a rigid motion."""
+"""Size of an eigenvalue relative to the largest below which it counts as a rigid body mode."""
 
 
 def assign(cost: Floats, limit: float | None = None) -> tuple[Ints, Ints]:
-    """Pairs of rows, rising, and columns, each used once at most, of least total cost.
+    """Return the pairs of rows (sorted) and columns with the least total cost, each used once.
 
-    No pair that costs more than the limit is made; without one min(n, m) pairs are.
+    Pairs that cost more than the limit are omitted; without a limit there are min(n, m) pairs.
     """
     if limit is None:
         rows, columns = linear_sum_assignment(cost)
@@ -35,9 +35,10 @@ def assign(cost: Floats, limit: float | None = None) -> tuple[Ints, Ints]:
 
 
 def group(values: Complexes, tolerance: float = DEGENERATE, least: float = 0.0) -> list[Ints]:
-    """Groups of eigenvalues that touch, by first members: chains of near neighbours.
+    """Return groups of close eigenvalues, chains of near neighbours, sorted by first members.
 
-    The tolerance is relative to the larger of two, and to a least size: rigid motions touch.
+    The tolerance is relative to the larger of two eigenvalues, and at least to ``least``, so that
+    rigid body modes form one group.
     """
     sizes = np.maximum(np.abs(values), least)
     near = np.abs(values[:, None] - values) <= tolerance * np.maximum(sizes[:, None], sizes)
@@ -45,7 +46,7 @@ def group(values: Complexes, tolerance: float = DEGENERATE, least: float = 0.0) 
 
 
 def connected(linked: NDArray[np.bool_]) -> list[Ints]:
-    """Sets of indices joined by a symmetric relation, shape (n, n), by their first members."""
+    """Return connected sets of indices of a symmetric relation (n, n), sorted by first members."""
     if np.count_nonzero(linked) == np.count_nonzero(np.diag(linked)):
         return list(np.arange(len(linked))[:, None])
     count, label = connected_components(csr_array(linked), directed=False)
@@ -54,10 +55,10 @@ def connected(linked: NDArray[np.bool_]) -> list[Ints]:
 
 @dataclass(frozen=True)
 class SpectrumMatch:
-    """Exact eigenvalues with their computed partners, NaN where there is none, and spurious ones.
+    """Exact eigenvalues with their computed partners (NaN if missing), and spurious ones.
 
-    Differences are computed less exact ones, those of a group of exact ones the difference of the
-    means: near a coalescence the members lose half the digits of the mean.
+    Differences are computed minus exact; for a group of close exact eigenvalues they are the
+    difference of the means: near a coalescence its members have half as many digits as the mean.
     """
 
     exact: Complexes
@@ -82,7 +83,10 @@ class SpectrumMatch:
 
     @property
     def growth_errors(self) -> Floats:
-        """Errors of Re lambda relative to the largest growth rate; where none grows to lambda."""
+        """Errors of Re lambda relative to the largest abs(Re lambda), or to abs(lambda), (n,).
+
+        The latter where all Re lambda are rounding.
+        """
         size = np.abs(self.exact)
         largest = np.abs(self.exact.real).max(initial=0.0)
         grows = largest > _NO_GROWTH * size.max(initial=0.0)
@@ -106,12 +110,12 @@ def match_spectrum(
 ) -> SpectrumMatch:
     """Find the computed partner of each exact eigenvalue whose Im lambda is in a band.
 
-    Both lists, multiple eigenvalues as often as their multiplicity, may, and near the ends of the
-    band should, reach beyond it: what lies there is matched too, but neither missed nor called
-    spurious. Partners are no farther than a ``reach`` relative to the exact one; exact ones within
-    a relative tolerance are compared by their mean.
+    Both lists contain eigenvalues with their multiplicity, and should extend beyond the band:
+    eigenvalues outside are matched too, but count neither as missing nor as spurious. The distance
+    of partners relative to the exact one is at most ``reach``; exact eigenvalues within a relative
+    ``tolerance`` of each other are compared by their mean.
     """
-    # A rigid motion has lambda = 0, found as rounding: nothing is relative to that.
+    # Rigid body modes have lambda = 0, computed as rounding: use a least size.
     size = np.maximum(np.abs(exact), _RIGID * np.abs(exact).max(initial=1.0))
     distance = np.abs(computed[None, :] - exact[:, None]) / size[:, None]
     rows, columns = assign(distance, reach)

@@ -17,12 +17,12 @@ from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import ConvergenceError, InputError, ResultWarning
 
 _NO_MODE = 0.5
-"""Uncertainty of lambda, relative to its speed, above which it is no mode at all."""
+"""Uncertainty of lambda relative to its speed above which a mode counts as lost to rounding."""
 
 
 @dataclass(frozen=True)
 class Modes(Spectrum):
-    """Eigenvalues with their eigenvectors, and what they are modes of.
+    """Eigenvalues with their eigenvectors, the pencil and its parameters.
 
     Parameters
     ----------
@@ -31,11 +31,11 @@ class Modes(Spectrum):
     forces
         Their multipliers, those of contacts first, shape (multipliers of this rank, n).
     left
-        Left eigenvectors; None where they were not asked for.
+        Left eigenvectors; None where they were not requested.
     template
-        PETSc vector of their layout.
+        PETSc vector with the layout of the eigenvectors.
     pencil, values
-        What they are modes of, and the parameters it was solved at.
+        The pencil, and the values of its parameters.
     """
 
     vectors: Complexes
@@ -48,7 +48,7 @@ class Modes(Spectrum):
     __repr__ = Spectrum.__str__
 
     def __getitem__(self, modes: Ints) -> "Modes":
-        """Some of them, by their numbers from zero."""
+        """Return some of the modes, by their indices from zero."""
         return replace(
             self,
             eigenvalues=self.eigenvalues[modes],
@@ -62,35 +62,35 @@ class Modes(Spectrum):
         )
 
     def vector(self, mode: int) -> tuple[Any, Any]:
-        """Real and imaginary part of an eigenvector as PETSc vectors."""
+        """Return the real and the imaginary part of an eigenvector as PETSc vectors."""
         real, imaginary = self.template.duplicate(), self.template.duplicate()
         real.array[:] = self.vectors[:, mode].real
         imaginary.array[:] = self.vectors[:, mode].imag
         return real, imaginary
 
     def sensitivity(self, parameter: str) -> Complexes:
-        """Derivatives of the eigenvalues in a parameter of the pencil, shape (n,).
+        """Return the derivatives of the eigenvalues in a parameter of the pencil, shape (n,).
 
         d lambda / dt = - y^H (lambda^2 dM/dt + lambda dD/dt + dK/dt) x / y^H (2 lambda M + D) x
         with left vectors y and D of damping and rotation.
-        Members of a multiple eigenvalue have those of its splitting, in any order. Infinite at a
-        coalescence, and not a number at lambda = 0.
+        For a multiple eigenvalue they are the derivatives of the eigenvalues into which it splits,
+        in any order. Infinite at a coalescence, and NaN at lambda = 0.
 
         Parameters
         ----------
         parameter
-            Its name, e.g. ``contacts.pad_disc.mu``.
+            Name of the parameter, e.g. ``contacts.pad_disc.mu``.
 
         Raises
         ------
         InputError
-            When there is no such parameter, or no left vectors were asked for.
+            When there is no such parameter, or no left vectors were requested.
         """
         name, fixed = self.pencil.parameter(parameter).name, self.pencil.parameter(parameter).fixed
         if fixed:
-            raise InputError(name, self.values[name], "left as it is: damped modes move with it")
+            raise InputError(name, self.values[name], "fixed: modal damping was found at it")
         if self.left is None:
-            raise InputError("left", False, "True where modes are solved for, for sensitivities")
+            raise InputError("left", False, "True in the solve, for sensitivities")
         lam, x, y, values = self.eigenvalues, self.vectors, self.left, self.values
         change: Complexes = np.zeros((len(lam), len(lam)), dtype=complex)
         comm, first = self.pencil.comm, 0
@@ -124,9 +124,9 @@ def modes_of(
     left: LeftVectors | None,
     window: Window,
 ) -> Modes:
-    """Modes with Im lambda >= 0 of eigenpairs, up to the end of the window and down to its decay.
+    """Return the modes with Im lambda >= 0 in the window, from eigenpairs.
 
-    ConvergenceError when modes are nothing but rounding.
+    ConvergenceError when modes are lost to rounding.
     """
     end = 2 * np.pi * window.max_frequency
     if matrices.quadratic:
@@ -145,7 +145,7 @@ def modes_of(
         kappa, errors = pairs.values, pairs.uncertainties
         eigenvalues = np.sqrt(-kappa).astype(complex)
         eigenvalues = np.where(eigenvalues.imag < 0, -eigenvalues, eigenvalues) + 0j
-        # Copies of a real kappa below zero part by rounding: each grows, as what it is a copy of.
+        # Rounding may split a multiple negative kappa into a complex pair: both grow.
         diverges = (kappa.real < 0) & (np.abs(kappa.imag) <= errors)
         growing = np.abs(eigenvalues.real) + 1j * eigenvalues.imag
         eigenvalues = np.where(diverges, growing, eigenvalues)
@@ -169,20 +169,20 @@ def modes_of(
         values=values,
     )
     speeds = np.maximum(np.abs(eigenvalues), modes.slowest)
-    lost = int(np.sum(uncertainties > _NO_MODE * speeds))  # in the window or around it
+    lost = int(np.sum(uncertainties > _NO_MODE * speeds))  # guard eigenvalues included
     if lost:
         worst = float((uncertainties / speeds).max())
         raise ConvergenceError(
-            f"{lost} of {len(eigenvalues)} modes are lost to rounding: their errors come to "
-            f"{worst:.1e} times themselves; stiffnesses, sizes or elements of this system are too "
-            "far apart",
+            f"{lost} of {len(eigenvalues)} modes are lost to rounding, with errors of up to "
+            f"{worst:.1e} times abs(lambda): stiffnesses, sizes or elements of this system differ "
+            "too much",
             best=modes,
         )
     return replace(modes, warnings=warnings_of(modes))
 
 
 def up_to(wider: Modes, max_frequency: float, min_growth: float | None) -> Modes:
-    """Modes of a window that was searched beyond its end."""
+    """Return the modes up to a frequency of a search that went beyond it."""
     beyond = wider.frequencies > max_frequency
     grow = beyond & (wider.growth_rates > wider.growth_uncertainties)
     pairs = np.column_stack([wider.frequencies, wider.growth_rates])[grow]
@@ -190,7 +190,7 @@ def up_to(wider: Modes, max_frequency: float, min_growth: float | None) -> Modes
         wider.window, max_frequency=max_frequency, growing_above=tuple(map(tuple, pairs.tolist()))
     )
     kept = ~beyond
-    if window.min_growth is not None and min_growth is None:  # it is relative to the end
+    if window.min_growth is not None and min_growth is None:  # the default is relative to the end
         least = window.min_growth * max_frequency / wider.window.max_frequency
         window, kept = replace(window, min_growth=least), kept & (wider.growth_rates >= least)
     modes = replace(wider[np.flatnonzero(kept)], window=window)
@@ -198,13 +198,16 @@ def up_to(wider: Modes, max_frequency: float, min_growth: float | None) -> Modes
 
 
 def _columns(vectors: Complexes, order: Ints) -> Complexes:
-    """Columns in an order: those of the vectors themselves where it is that they have."""
+    """Return columns in the given order, without a copy where they already have it."""
     number = len(order)
     return vectors[:, :number] if np.array_equal(order, np.arange(number)) else vectors[:, order]
 
 
 def uncertainties_of(eigenvalues: Complexes, errors: Floats) -> Floats:
-    """Errors of lambda (1/s) that errors of lambda^2 make: their half relative, or their root."""
+    """Return errors of lambda (1/s) from errors of lambda^2: half in relative terms, or the root.
+
+    The root bounds the error where lambda^2 is zero within its error.
+    """
     known = np.isfinite(errors)
     some = np.where(known, errors, 0.0)
     sizes = np.maximum(np.abs(eigenvalues), np.sqrt(some))
@@ -213,11 +216,11 @@ def uncertainties_of(eigenvalues: Complexes, errors: Floats) -> Floats:
 
 
 def warnings_of(modes: Modes) -> tuple[ResultWarning, ...]:
-    """What modes must be read with."""
+    """Return the warnings about modes: an incomplete window, and large uncertainties."""
     warnings, window = [], modes.window
     if np.isfinite(window.max_frequency) and not window.complete:
         message = (
-            "the sign of a determinant shows that a mode of growth without oscillation is missing"
+            "the sign of a determinant shows that a mode with real lambda is missing"
             if window.odd
             else f"modes that grow faster than {window.max_growth:.3g} 1/s are not excluded"
         )
@@ -229,7 +232,7 @@ def warnings_of(modes: Modes) -> tuple[ResultWarning, ...]:
         warnings.append(
             ResultWarning(
                 "not-trusted",
-                f"{len(unsure)} modes are uncertain by up to {worst:.1e} of themselves",
+                f"{len(unsure)} modes have errors of up to {worst:.1e} times abs(lambda)",
                 {"modes": (unsure + 1).tolist(), "worst": worst},
             )
         )

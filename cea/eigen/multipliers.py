@@ -4,11 +4,12 @@
     [ J   -C   Z  ] [f] = [0],     L = J - c_f R,   C = c_c C^
     [     Z^T     ] [e]   [0]
 
-with J the closures that forces work on, R what friction adds to their reactions, c_f proportional
-to mu and c_c = 1/P. Multipliers carry no mass. Where closures depend on each other, Z tells forces
-from those that only their friction would feel (:mod:`cea.eigen.dependent_closures`), and e is zero.
+with J the closures (contact constraints), c_f R the friction part of the reactions, c_f
+proportional to mu, and c_c = 1/P. Multipliers carry no mass. Where closures are linearly dependent,
+Z removes the forces that they leave undetermined (:mod:`cea.eigen.dependent_closures`), and e is
+zero.
 
-Pieces that are never formed, c L N^-1 J, may follow as unknowns of the same form, w = N^-1 J x
+Terms that are never formed, c L N^-1 J, may follow as unknowns of the same form, w = N^-1 J x
 (:mod:`cea.eigen.unformed`).
 """
 
@@ -24,13 +25,13 @@ from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_to
 from cea.petsc import Mat, PETSc
 
 _YIELDING = 1e-3
-"""Least compliance, relative to that of the bodies, at which dependent closures do no harm."""
+"""Compliance relative to that of the bodies above which dependent closures are harmless."""
 _RIGID = 1e-13
-"""Compliance, relative to that of the bodies, below which it is none: the sides are tied."""
+"""Compliance relative to that of the bodies below which it counts as zero: the sides are tied."""
 _DEPENDENT = 1e-11
-"""Size of a sum of unit closures that counts as none."""
+"""Singular value of unit closures below which they count as dependent."""
 _NEARLY_DEPENDENT = 1e-7
-"""The same where nothing but rounding would decide about its force."""
+"""The same where all contacts are tied, so that rounding would determine their forces."""
 
 
 @dataclass(frozen=True)
@@ -42,18 +43,18 @@ class ForcesOfContact:
     compliance: Mat  # C^, PETSc AIJ (forces x forces), symmetric positive semidefinite
     inverse_stiffness: Coefficient  # c_c (m/N), 1/P, zero where the sides are tied
     friction: Coefficient  # c_f
-    # P (N/m) at which it is where it is stiffest, and softest, about as stiff as the bodies
+    # P (N/m) at which the stiffest, and the softest, part of the contact is as stiff as the bodies
     body_stiffness: tuple[float, float]
 
     def reaction(self, values: Mapping[str, float]) -> Mat | None:
-        """L at given parameters; None without friction."""
+        """Return L at given parameters; None without friction."""
         factor = self.friction.at(values)
         if self.slip is None or not factor:
             return None
         return scaled_total([(1.0, self.closure), (-factor, self.slip)])
 
     def is_tied(self, values: Mapping[str, float]) -> bool:
-        """Whether its compliance is none, or is lost in the rounding of that of the bodies."""
+        """Whether the compliance is zero up to rounding of that of the bodies."""
         return self.inverse_stiffness.at(values) * self.body_stiffness[1] < _RIGID
 
 
@@ -62,7 +63,7 @@ class Multipliers:
     """Contact forces as unknowns: K x + L^T f = r, J x - C f + Z e = 0, Z^T f = 0."""
 
     closure: Mat  # J, PETSc AIJ (multipliers x displacements)
-    reaction: Mat  # L, the same; one object without friction
+    reaction: Mat  # L, the same shape; without friction the same object as J
     compliance: Mat  # C (m/N), multipliers x multipliers; zero where the sides are tied
     border: Mat | None  # Z, multipliers x dependences; None where closures are independent
     tied: int  # number of independent constraints: closures without compliance
@@ -83,7 +84,7 @@ class Multipliers:
         return 0 if self.border is None else int(self.border.getSize()[1])
 
     def free(self) -> None:
-        """Free the matrices, not the pieces they were made of."""
+        """Free the matrices, but not the terms they were made of."""
         if not self.symmetric:
             destroy(self.reaction)
         if self.border is not None:
@@ -99,7 +100,7 @@ class AllForces:
         self._dependences: dict[float, Dependence] = {}
 
     def at(self, values: Mapping[str, float]) -> Multipliers:
-        """Matrices at given parameters, those of several contacts one below the other."""
+        """Return the matrices at given parameters, those of all contacts stacked."""
         scales = [part.inverse_stiffness.at(values) for part in self.parts]
         held = [part.is_tied(values) for part in self.parts]
         closures = [part.closure for part in self.parts]
@@ -131,9 +132,9 @@ class AllForces:
 
 
 def with_unformed(contacts: Multipliers | None, unknowns: Sequence[Unknowns]) -> Multipliers | None:
-    """Contact forces and below them, as new matrices, the unknowns of pieces, which are freed.
+    """Return new matrices of contact forces followed by further unknowns, which are freed.
 
-    Without pieces they are the contact forces themselves.
+    Without further unknowns the contact forces are returned themselves.
     """
     if not unknowns:
         return contacts

@@ -1,8 +1,7 @@
-"""Direct factorisations: all that a driver needs of MUMPS, set up in one place.
+"""Direct factorisations by MUMPS.
 
-What is factorised inside of :func:`factors_on_disk` is written to files of a temporary folder, each
-rank's to its own, and read again at every solve; the system keeps as much of them in memory as is
-left.
+Inside :func:`factors_on_disk` MUMPS writes factors to files of a temporary folder, one set for each
+rank, and reads them at every solve; the operating system caches them in free memory.
 """
 
 import resource
@@ -24,43 +23,43 @@ from cea.matrices import dense, destroy
 from cea.petsc import MPI, PETSc, give_back
 
 _ROOM = (20, 200, 1000)
-"""Room (per cent) for pivots that are delayed beyond what is foreseen: more where it runs out."""
+"""Workspace beyond the estimate (per cent, ICNTL(14)), tried in turn while MUMPS runs out of it."""
 _NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
 _LACKS_MEMORY = (-7, -8, -9, -11, -12, -13, -14, -15, -17, -19, -20)
-"""Values of INFOG(1) with which MUMPS ends for lack of memory."""
+"""Values of INFOG(1) by which MUMPS reports lack of memory."""
 _ACCURATE = 1e-10
 """Relative change by a step of iterative refinement above which every solve is refined."""
 _PART = 0.9
-"""Part of the memory that is free which factors may take."""
+"""Fraction of the free memory that factors may take."""
 _FILL, _ENTRY, _MEGABYTE = 100.0, 12, 1e6
-"""Memory of factors over that of their matrix at most, bytes of an entry of it, and of a MB."""
+"""Upper bound of the fill ratio (memory of factors over matrix), bytes per entry, and per MB."""
 _FOLDER = "mat_mumps_ooc_tmpdir"
-"""Option of PETSc that names the folder of factors on disk."""
+"""PETSc option that names the folder of factors on disk."""
 _FOLDER_OF_FACTORS: ContextVar[Path | None] = ContextVar("folder of factors", default=None)
 
 
 class SingularError(ConvergenceError):
-    """A matrix that is singular, or so nearly that solutions lose their digits."""
+    """The matrix is singular, or so nearly singular that solutions lose their digits."""
 
 
 class NoRoomError(MemoryError):
-    """Factors for which there is no memory, as MUMPS estimates them before it makes them.
+    """The factors exceed the free memory by the estimate of MUMPS.
 
-    Bytes of all ranks: ``memory`` that factorisation takes, ``with_files`` where the factors are on
-    disk, ``files`` of these, and ``free`` memory.
+    In bytes of all ranks: ``memory`` of the factorisation, ``with_files`` the same with factors on
+    disk, ``files`` the size of these, and ``free`` the free memory.
     """
 
-    def __init__(self, told: str, memory: float, with_files: float, files: float, free: float):
+    def __init__(self, message: str, memory: float, with_files: float, files: float, free: float):
         self.memory, self.with_files, self.files, self.free = memory, with_files, files, free
-        super().__init__(told)
+        super().__init__(message)
 
 
 class Mumps:
-    """LU, or LDL^T of a symmetric matrix, PETSc AIJ, by MUMPS; the matrix is destroyed with it.
+    """LU factors, or LDL^T of a symmetric matrix, by MUMPS; they own the matrix, PETSc AIJ.
 
-    With ``inertia`` its negative eigenvalues may be asked for: null pivots are counted rather than
-    failed on, and with any of them systems should not be solved. SingularError when the matrix is
-    singular, or the factorisation fails, NoRoomError when there is no memory for the factors.
+    With ``inertia`` null pivots are counted instead of causing failure, as :meth:`inertia` needs;
+    if there are any, systems must not be solved. SingularError when the matrix is singular or the
+    factorisation fails, NoRoomError when the factors exceed the free memory.
     """
 
     def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:
@@ -80,9 +79,9 @@ class Mumps:
             self._fail()
 
     def _limit(self) -> int:
-        """Memory (MB) that factors may take on each rank; 0 where there surely is enough.
+        """Return the memory (MB) that factors may take on each rank; 0 where it surely suffices.
 
-        A limit costs: MUMPS takes all that it is allowed as one array.
+        With a limit MUMPS allocates all of it as one array.
         """
         comm = self.matrix.comm.tompi4py()
         entries = self.matrix.getInfo(PETSc.Mat.InfoType.GLOBAL_MAX)["nz_used"]
@@ -95,7 +94,7 @@ class Mumps:
         return int(self._pc.getFactorMatrix().getMumpsInfog(number))
 
     def _fail(self) -> None:
-        """Free what there is, and raise what ended the factorisation."""
+        """Free the factors and raise the error that ended the factorisation."""
         free = self.matrix.comm.getSize() * free_memory(self.matrix.comm.tompi4py())
         rows, code, entries = self.matrix.getSize()[0], self._infog(1), self._infog(3)
         memory, with_files = (_MEGABYTE * self._infog(number) for number in (17, 27))
@@ -104,12 +103,12 @@ class Mumps:
         if code not in _LACKS_MEMORY:
             raise SingularError(f"a matrix of {rows} rows is singular")
         needed, less, there = (f"{each / 1e9:.3g} GB" for each in (memory, with_files, free))
-        told = f"the factors of {rows} unknowns take {needed} of memory, {less} with those on disk"
-        told += f", where {there} are free (MUMPS, INFOG(1) = {code})"
-        raise NoRoomError(told, memory, with_files, files, free)
+        message = f"the factors of {rows} unknowns take {needed} of memory, or {less} with factors "
+        message += f"on disk; {there} are free (MUMPS, INFOG(1) = {code})"
+        raise NoRoomError(message, memory, with_files, files, free)
 
     def _set_up(self) -> None:
-        """Factorise; PETSc reads the folder of factors from its options, and only then."""
+        """Factorise; PETSc reads the folder of factors from its options during the setup."""
         options: Any = PETSc.Options()
         if (folder := folder_of_factors()) is None:
             self._pc.setUp()
@@ -121,7 +120,7 @@ class Mumps:
             options.delValue(_FOLDER)
 
     def _prepared(self, room: int, limit: int) -> Any:
-        """PETSc preconditioner, set up but for the factors."""
+        """Return a PETSc preconditioner with all options set, not yet factorised."""
         pc: Any = PETSc.PC().create(self.matrix.comm)
         pc.setOperators(self.matrix)
         pc.setType(PETSc.PC.Type.CHOLESKY if self._symmetric else PETSc.PC.Type.LU)
@@ -140,11 +139,11 @@ class Mumps:
         return pc
 
     def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
-        """Solve for every column of b, the first rows of this rank: those that follow are zero.
+        """Solve for every column of b, which holds the first rows of this rank; the rest is zero.
 
-        The result has all rows of this rank, shape (n_local, columns), real or complex. Where the
-        first solve has lost digits, as with closures that nearly depend on each other, all take a
-        step of iterative refinement.
+        The result has all rows of this rank, shape (n_local, columns), real or complex. If the
+        first solve lost digits, as with nearly dependent constraints, every solve takes a step of
+        iterative refinement.
         """
         return by_parts(partial(self._refined, transposed=transposed), b)
 
@@ -164,7 +163,7 @@ class Mumps:
     def _solve(self, b: Floats, *, transposed: bool) -> Floats:
         layout, comm = self.matrix.getSizes()[0], self.matrix.comm
         solution = np.zeros((layout[0], b.shape[1]), order="F")
-        if not b.shape[1]:  # which MUMPS refuses: an empty window has no eigenvectors
+        if not b.shape[1]:  # MUMPS rejects it: an empty window has no eigenvectors
             return solution
         if len(b) < layout[0]:
             whole = np.zeros_like(solution)
@@ -176,12 +175,12 @@ class Mumps:
         return solution
 
     def inertia(self) -> tuple[int, int]:
-        """Numbers of negative eigenvalues of a symmetric A, and of pivots that count as zero."""
+        """Return the numbers of negative eigenvalues of a symmetric A, and of null pivots."""
         negative, null, _ = self._pc.getFactorMatrix().getInertia()
         return int(negative), int(null)
 
     def sign(self) -> int:
-        """Sign of the determinant of an unsymmetric A."""
+        """Return the sign of the determinant of an unsymmetric A."""
         return int(np.sign(self._pc.getFactorMatrix().getMumpsRinfog(12)))
 
     def free(self) -> None:
@@ -190,9 +189,9 @@ class Mumps:
 
 
 def free_memory(comm: Any) -> float:
-    """Memory (bytes) that each rank may take of what is free on its machine; collective.
+    """Return the share of free memory (bytes) that each rank may use; collective.
 
-    What the process is confined to counts where that is less.
+    Limits of the process and of its control group count where they are lower.
     """
     page = resource.getpagesize()
     pages = Path("/proc/self/statm").read_text(encoding="ascii").split()
@@ -212,7 +211,7 @@ def free_memory(comm: Any) -> float:
 
 
 def inertia(matrix: Any) -> tuple[int, int]:
-    """The inertia of a symmetric matrix, as of its factors; the matrix is destroyed."""
+    """Return the inertia of a symmetric matrix (:meth:`Mumps.inertia`), which is destroyed."""
     factors = Mumps(matrix, symmetric=True, inertia=True)
     found = factors.inertia()
     factors.free()
@@ -220,13 +219,13 @@ def inertia(matrix: Any) -> tuple[int, int]:
 
 
 def folder_of_factors() -> Path | None:
-    """Where factors are written now; None where they stay in memory."""
+    """Return the folder to which factors are written; None where they stay in memory."""
     return _FOLDER_OF_FACTORS.get()
 
 
 @contextmanager
 def factors_on_disk() -> Iterator[Path]:
-    """Keep factors on disk while this lasts; they must be freed before it ends."""
+    """Keep factors on disk inside the context; they must be freed before it ends."""
     with TemporaryDirectory(prefix="factors-") as name:
         token = _FOLDER_OF_FACTORS.set(Path(name))
         try:

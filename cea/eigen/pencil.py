@@ -1,12 +1,12 @@
-"""The parametric pencil: everything that is solved, as sums of fixed pieces.
+"""The parametric pencil: matrices as sums of constant terms with parametric coefficients.
 
     lambda^2 M(t) + lambda C(t) + K(t),    M, C, K = sum_j c_j(t) A_j
 
 with coefficients c_j in named parameters t. K of a body scales with its E, M with its rho, K_n and
-K_f of a contact with P and mu P; C holds damping and gyroscopic pieces alike. Contact
-forces may be unknowns beside the displacements (:mod:`cea.eigen.multipliers`); circulatory pieces
-of K are never formed (:mod:`cea.eigen.unformed`). One object serves a single run, a sweep, a
-threshold, a derivative.
+K_f of a contact with P and mu P; C holds both damping and gyroscopic terms. Contact forces may be
+unknowns beside the displacements (:mod:`cea.eigen.multipliers`); circulatory terms of K are never
+formed (:mod:`cea.eigen.unformed`). The same pencil serves single runs, sweeps, thresholds and
+derivatives.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -28,50 +28,50 @@ from cea.petsc import Mat
 
 Role = Literal["mass", "damping", "stiffness"]
 POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
-"""Powers of lambda that go with the pieces of a pencil."""
+"""Power of lambda of each role."""
 
 FRICTION = "friction"
-"""Name of the factor on the friction of a pencil made of given matrices."""
+"""Name of the factor on the friction matrix in :meth:`Pencil.of`."""
 
 
 @dataclass(frozen=True)
 class Term:
-    """One piece of a pencil: c(t) A."""
+    """One term of a pencil: c(t) A."""
 
     role: Role  # the sum it belongs to
     matrix: Mat  # A, PETSc AIJ (n x n)
     coefficient: Dependence = CONSTANT  # c
-    symmetric: bool = True  # whether A is symmetric, to the last bit
-    contact: bool = False  # whether A is the stiffness K_n of a contact, or what friction makes
+    symmetric: bool = True  # whether A is exactly symmetric
+    contact: bool = False  # whether A is the stiffness K_n of a contact, or its friction K_f
 
 
 @dataclass(frozen=True)
 class Matrices:
-    """A pencil at given parameters: its sums, PETSc AIJ, None where there are none."""
+    """Matrices of a pencil at given parameters, PETSc AIJ; None where a sum has no terms."""
 
     stiffness: Mat  # symmetric part S of K (N/m)
-    unsymmetric: Mat | None  # the rest of K, which friction and damping of rotating bodies make
+    unsymmetric: Mat | None  # the rest of K, due to friction and damping of rotating bodies
     mass: Any  # M (kg), symmetric positive definite; None in statics
     contacts: Multipliers | None  # contact forces that are unknowns
-    multipliers: Multipliers | None  # the same, and below them the unknowns of circulatory pieces
+    multipliers: Multipliers | None  # the same, followed by the unknowns of circulatory terms
     damping: Mat | None = None  # symmetric part of C (N s/m)
-    gyroscopic: Mat | None = None  # the rest of C, which rotation makes (N s/m)
-    low_rank: LowRank | None = None  # pieces of C of low rank (N s/m), which are not in these
+    gyroscopic: Mat | None = None  # the rest of C, due to rotation (N s/m)
+    low_rank: LowRank | None = None  # low-rank terms of C (N s/m), not included in the above
 
     @property
     def symmetric(self) -> bool:
-        """True without friction and circulatory pieces: S and the multipliers are symmetric."""
+        """True without friction and circulatory terms: K and the multipliers are symmetric."""
         forces = self.multipliers
         return self.unsymmetric is None and (forces is None or forces.symmetric)
 
     @property
     def conservative(self) -> bool:
-        """True without friction, circulatory pieces and damping: rotation may be there."""
+        """True without friction, circulatory terms and damping; gyroscopic terms are allowed."""
         return self.symmetric and self.damping is None and self.low_rank is None
 
     @property
     def quadratic(self) -> bool:
-        """True with damping or rotation: the problem is not linear in kappa = -lambda^2."""
+        """True with damping or rotation, where the problem is not linear in kappa = -lambda^2."""
         return not (self.damping is None and self.gyroscopic is None and self.low_rank is None)
 
     @property
@@ -81,11 +81,11 @@ class Matrices:
 
     @property
     def tied(self) -> int:
-        """Number of independent constraints: so many kappa are infinite."""
+        """Number of independent constraints, which is the number of infinite kappa."""
         return 0 if self.multipliers is None else self.multipliers.tied
 
     def drag(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
-        """(C + Y) x, or (C + Y)^T x, for every column, the rows of this rank."""
+        """Return (C + Y) x, or (C + Y)^T x, for every column, the rows of this rank."""
         force = np.zeros_like(x)
         if self.damping is not None:
             force += times(self.damping, x)
@@ -98,9 +98,9 @@ class Matrices:
     def operator(
         self, kappa: float = 0.0, rate: float = 0.0, *, symmetric_part: bool = False
     ) -> Mat:
-        """K - kappa M + rate (C + Y), or S - kappa M: a new PETSc AIJ matrix.
+        """Return K - kappa M + rate (C + Y) as a new PETSc AIJ matrix, K or its symmetric part S.
 
-        Pieces of low rank and circulatory ones are not in it.
+        Low-rank and circulatory terms are not included.
         """
         parts = [(1.0, self.stiffness)]
         if self.unsymmetric is not None and not symmetric_part:
@@ -113,23 +113,23 @@ class Matrices:
 
 
 class Pencil:
-    """Pieces of M and K with their coefficients in named parameters.
+    """Terms of M, C and K with their coefficients in named parameters.
 
     Parameters
     ----------
     terms
-        The pieces; at least one of the stiffness is symmetric.
+        Terms; at least one of the stiffness is symmetric.
     parameters
-        Every parameter that a coefficient names.
+        Every parameter that a coefficient depends on.
     forces
         Contact forces that are unknowns, by contact.
     low_rank, circulatory
-        Pieces of the damping of low rank, and circulatory ones of the stiffness.
+        Low-rank terms of the damping, and circulatory terms of the stiffness.
 
     Raises
     ------
     InputError
-        When coefficients name parameters that are not there.
+        When a coefficient depends on a parameter that is not given.
     """
 
     def __init__(
@@ -152,7 +152,7 @@ class Pencil:
 
     @classmethod
     def of(cls, stiffness: Mat, mass: Mat | None = None, friction: Mat | None = None) -> "Pencil":
-        """Pencil of given PETSc AIJ matrices: lambda^2 M + S - s F, s the parameter ``friction``.
+        """Return the pencil lambda^2 M + S - s F of PETSc AIJ matrices, s the factor ``friction``.
 
         S is symmetric (N/m), M symmetric positive definite (kg), F of any kind (N/m).
         """
@@ -166,7 +166,7 @@ class Pencil:
         return cls(terms, [Parameter(FRICTION, 1.0)])
 
     def at_rest(self) -> "Pencil":
-        """Its stiffness alone: what an equilibrium obeys."""
+        """Return the pencil of the stiffness alone, for static equilibria."""
         return Pencil(
             [term for term in self.terms if term.role == "stiffness"],
             self.parameters.values(),
@@ -176,7 +176,7 @@ class Pencil:
 
     @property
     def names(self) -> frozenset[str]:
-        """Parameters that its pieces depend on."""
+        """Parameters that the terms depend on."""
         every: list[Dependence] = [each.coefficient for each in self.terms]
         every += [each.coefficient for each in self.low_rank]
         every += [each.coefficient for each in self.circulatory]
@@ -185,7 +185,7 @@ class Pencil:
 
     @property
     def damped(self) -> bool:
-        """Whether anything acts on velocities at some parameters."""
+        """Whether there are damping or gyroscopic terms, for any parameters."""
         return bool(self.low_rank) or any(term.role == "damping" for term in self.terms)
 
     @property
@@ -194,21 +194,21 @@ class Pencil:
         return self.terms[0].matrix.comm
 
     def values(self, changes: Mapping[str, float] | None = None) -> dict[str, float]:
-        """Value of every parameter, some of them changed; InputError when they cannot be."""
+        """Return the values of all parameters with changes; InputError when one is not allowed."""
         values = {name: parameter.value for name, parameter in self.parameters.items()}
         for name, value in (changes or {}).items():
             values[name] = self.parameter(name).check(value)
         return values
 
     def parameter(self, name: str) -> Parameter:
-        """One parameter; refused where there is none of the name."""
+        """Return the parameter of a name; InputError when there is none."""
         if name not in self.parameters:
-            allowed = ", ".join(sorted(self.parameters)) or "none: nothing here can be changed"
+            allowed = ", ".join(sorted(self.parameters)) or "none: the pencil has no parameters"
             raise InputError("parameter", name, f"one of {allowed}")
         return self.parameters[name]
 
     def at(self, changes: Mapping[str, float] | None = None) -> Matrices:
-        """Matrices at given parameters; those not named keep their values."""
+        """Return the matrices at given parameters; others have their default values."""
         values = self.values(changes)
         stiffness = self._sum("stiffness", values, symmetric=True)
         if stiffness is None:
@@ -226,7 +226,7 @@ class Pencil:
         )
 
     def products(self) -> Iterator[tuple[Role, Dependence, Callable[[Any], Any]]]:
-        """Roles, coefficients and products with blocks of vectors of all pieces but forces."""
+        """Yield role, coefficient and product with blocks of vectors of all terms but forces."""
         for term in self.terms:
             yield term.role, term.coefficient, partial(times, term.matrix)
         for piece in self.circulatory:
@@ -235,12 +235,12 @@ class Pencil:
             yield "damping", of_modes.coefficient, partial(of_modes.piece.times, comm=self.comm)
 
     def circulatory_unknowns(self, values: Mapping[str, float]) -> list[Unknowns]:
-        """Unknowns of circulatory pieces that do not vanish at values of all parameters."""
+        """Return the unknowns of circulatory terms that do not vanish at given parameters."""
         parts = [(term.coefficient.at(values), term.piece) for term in self.circulatory]
         return [piece.unknowns(factor) for factor, piece in parts if factor]
 
     def low_rank_at(self, values: Mapping[str, float]) -> LowRank | None:
-        """Sum B B^T of pieces of low rank at values of all parameters; None where all vanish."""
+        """Return the sum B B^T of low-rank terms at given parameters; None where all vanish."""
         parts = [(term.coefficient.at(values), term.piece) for term in self.low_rank]
         return low_rank_sum(parts, self.terms[0].matrix.getLocalSize()[0])
 
@@ -261,7 +261,7 @@ class Pencil:
 
 
 def release(matrices: Matrices) -> None:
-    """Free the sums of a pencil, not its pieces."""
+    """Free the matrices, but not the terms of the pencil."""
     sums = (matrices.stiffness, matrices.unsymmetric, matrices.mass)
     destroy(*(m for m in (*sums, matrices.damping, matrices.gyroscopic) if m))
     contacts, multipliers = matrices.contacts, matrices.multipliers
@@ -274,7 +274,7 @@ def release(matrices: Matrices) -> None:
 def internal_forces(
     matrices: Matrices, x: NDArray[Any], f: NDArray[Any], *, transposed: bool = False
 ) -> NDArray[Any]:
-    """K x + L^T f, or K^T x + J^T f, of displacements and multipliers, in blocks of columns."""
+    """Return K x + L^T f, or K^T x + J^T f, for blocks of displacements and multipliers."""
     force = times(matrices.stiffness, x)
     if matrices.unsymmetric is not None:
         force += (transposed_times if transposed else times)(matrices.unsymmetric, x)
@@ -284,7 +284,7 @@ def internal_forces(
 
 
 class Sizes:
-    """Absolute values of the entries of a pencil: rounding is of them."""
+    """Absolute values of the entries of a pencil, for estimates of rounding."""
 
     def __init__(self, matrices: Matrices) -> None:
         forces = matrices.multipliers
@@ -298,7 +298,7 @@ class Sizes:
     def forces(
         self, x: NDArray[Any], f: NDArray[Any], values: NDArray[Any] | float = 0.0
     ) -> Floats:
-        """What the parts of P(lambda) [x; f] come to, the rows of this rank, shape (n_local, n)."""
+        """Return abs(P(lambda)) [abs(x); abs(f)], the rows of this rank, shape (n_local, n)."""
         size, speed = np.abs(x), np.abs(values)
         total = np.zeros(size.shape, order="F")
         for part in self._stiffness:
@@ -321,5 +321,5 @@ class Sizes:
 
 
 def _absolute(*matrices: Mat | None) -> list[Any]:
-    """Absolute values of the entries of matrices, where there are any."""
+    """Return the absolute values of the entries of matrices that are not None."""
     return [absolute(each) for each in matrices if each is not None]

@@ -1,4 +1,4 @@
-"""Which eigenvalues a window may hold, and the discs that cover it.
+"""Region of kappa that belongs to a window, and the discs that cover it.
 
 Modes with 0 <= Im lambda <= omega, of any growth, have kappa = -lambda^2 inside the parabola
 
@@ -8,9 +8,9 @@ The disc that touches the parabola at its tip and meets it at Re kappa = -X,
 
     centre -(X + 3 omega^2) / 2,   radius (X + 5 omega^2) / 2,
 
-holds all of it to the right of there, and no more of the positive axis than the window itself.
-Friction opens the parabola to the left: how far, and that it often leaves no more than a cone of it
-near the real axis, says the field of values (:mod:`cea.eigen.field_of_values`).
+contains all of the parabola with Re kappa >= -X, and no more of the positive axis than the window.
+Friction may move eigenvalues to the left in the parabola. The field of values bounds how far, and
+often confines them to a cone about the real axis (:mod:`cea.eigen.field_of_values`).
 """
 
 from dataclasses import dataclass
@@ -23,8 +23,8 @@ from cea.arrays import Complexes, Floats
 _MARGIN = 1.05
 """Radius of the disc about the middle of the window relative to half the window."""
 TIP = 1.01
-"""Tip of the covered parabola relative to omega^2: room between the window and the first mode
-beyond it."""
+"""Tip of the covered parabola relative to omega^2. The margin separates the edge of the disc from
+the end of the window."""
 
 
 @dataclass(frozen=True)
@@ -36,24 +36,27 @@ class Disc:
 
 
 def upper_end(top: float) -> float:
-    """Upper end of the disc about the middle of a window that ends at omega^2 (1/s^2)."""
+    """Return the upper end of the disc about the middle of a window that ends at ``top`` = omega^2.
+
+    Both are in 1/s^2.
+    """
     return 0.5 * top * (1 + _MARGIN)
 
 
 def touching_disc(top: float, depth: float) -> float:
-    """Centre of the disc that covers the window, to omega^2, to Re kappa = -depth (1/s^2)."""
+    """Return the centre of the disc that covers the parabola for Re kappa >= -depth (1/s^2)."""
     return -0.5 * (depth + 3 * TIP * top)
 
 
 def outside_of_window(upper: float, kappa: Complexes, errors: Floats) -> NDArray[np.bool_]:
-    """Which kappa lie outside of the parabola by more than their errors (1/s^2), shape (n,)."""
+    """Return which kappa lie outside the parabola by more than their errors (1/s^2), shape (n,)."""
     return np.abs(kappa) + kappa.real - 2 * errors > 2 * upper
 
 
 def distance_within(top: float, centre: float, left: float, right: float) -> float:
-    """Largest distance from a centre of points of the parabola with Re kappa from left to right.
+    """Return the largest distance from a centre to the parabola with left <= Re kappa <= right.
 
-    The distance is convex along the parabola: it is largest at an end.
+    The distance is convex along the parabola, so it is largest at an end.
     """
     tip = TIP * top
     ends = np.array([left, right])
@@ -62,9 +65,9 @@ def distance_within(top: float, centre: float, left: float, right: float) -> flo
 
 
 def distance_of_cone(top: float, centre: float, depth: float, slope: float) -> float:
-    """The same of points with abs(Im kappa) <= slope (Re kappa + depth).
+    """Return the largest distance to the parabola with abs(Im kappa) <= slope (Re kappa + depth).
 
-    It is largest at the tip of the cone, where cone and parabola meet, or at the parabola's tip.
+    It is attained at the tip of the cone, where cone and parabola meet, or at the parabola's tip.
     """
     if np.isinf(slope):
         return np.inf

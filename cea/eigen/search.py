@@ -1,7 +1,7 @@
-"""A search for eigenvalues: discs about real shifts, one beside the other.
+"""Search for eigenvalues in a sequence of discs about real shifts.
 
-Modes that earlier discs hold are locked while a disc is searched. It is the discs of a window
-(:mod:`cea.eigen.window`) that are searched, or one about a place.
+Eigenvalues found in earlier discs are locked while a disc is searched. The discs cover a window
+(:mod:`cea.eigen.window`), or are a single one that holds the eigenvalues nearest to a target.
 """
 
 import sys
@@ -22,36 +22,37 @@ from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
 _ASIDE, ATTEMPTS = 1e-3, 6
-"""Step of a shift aside from an eigenvalue, relative to itself, and shifts tried at most."""
+"""Relative step of a shift away from an eigenvalue, and largest number of shifts tried."""
 SHIFT = 0.25
-"""Real shift relative to omega where growth may be large, or to the modulus of a place."""
+"""Real shift relative to omega where growth may be large, or to the modulus of a target."""
 _INSIDE = 1 + SAME
-"""Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
-same but for rounding, which is large of rigid motions and near coalescence, are inside."""
+"""Radius of a disc of left eigenvalues relative to the farthest right eigenvalue in it. The margin
+allows for rounding, which is large for rigid body modes and near coalescence."""
 _EDGE = 1 + 1e-9
-"""Radius of a disc relative to the farthest eigenvalue in it: conjugates are equally far."""
+"""Radius of a disc relative to the farthest eigenvalue in it, so that its conjugate is inside."""
 
 
 class Search:
-    """A search of discs for eigenvalues of a pencil at given parameters, in units of omega (1/s).
+    """Search of discs for the eigenvalues of a pencil at given parameters, scaled by omega (1/s).
 
     Attributes
     ----------
     found, discs
-        Invariant subspace of the eigenvalues found, of the companion form where something damps,
-        and the discs that were searched.
+        Invariant subspace of the eigenvalues found (of the companion form with damping or
+        rotation), and the discs that were searched.
     factorisations
-        Factorisations made so far.
+        Number of factorisations so far.
     reach, decay
-        Ends of the window (1/s): of Im lambda, and down to which decay Re lambda; infinite where
-        all that a disc holds is wanted.
+        Ends of the window (1/s): Im lambda <= reach and Re lambda >= -decay. Infinite where every
+        eigenvalue of a disc is wanted.
     growth, bounded
-        Every eigenvalue of the window that grows at this rate or slower was found (1/s), and
-        whether none grows faster.
+        Growth rate (1/s) up to which every eigenvalue of the window was found, and whether it was
+        shown that none grows faster.
     counted
-        Eigenvalues below the end of the window by inertia; None where friction or damping act.
+        Number of eigenvalues below the end of the window by inertia; None with friction or damping.
     most, crowded
-        Eigenvalues of a disc from which on it is left, and why the last one was.
+        Largest number of eigenvalues for which a disc is searched, and the message of the last
+        disc that exceeded it.
     """
 
     def __init__(
@@ -69,9 +70,9 @@ class Search:
         self._op: ShiftInvert | None = None
 
     def run(self, plan: Iterable[tuple[float, float | Radius]]) -> InvariantSubspace:
-        """Search planned discs, by centre and radius; the shift steps aside from an eigenvalue.
+        """Search discs given by centre and radius; a shift next to an eigenvalue is moved.
 
-        ConvergenceError when a disc cannot be searched; ``best`` is the invariant subspace so far.
+        ConvergenceError when a search fails; its ``best`` is the invariant subspace found so far.
         """
         for centre, radius in plan:
             for attempt in range(ATTEMPTS):
@@ -102,13 +103,13 @@ class Search:
 
     @contextmanager
     def factorising(self, number: int = 1) -> Iterator[None]:
-        """Time and count matrices that are factorised."""
+        """Time and count a number of factorisations."""
         self.factorisations += number
         with self.timer("factorisation"):
             yield
 
     def at(self, shift: float) -> ShiftInvert:
-        """The operator at a shift; that before it is freed."""
+        """Return the operator at a shift, and free the previous one."""
         if self._op is None or self._op.shift != shift:
             self.free()
             kind = Companion if self.matrices.quadratic else ShiftInvert
@@ -120,14 +121,17 @@ class Search:
 
     @property
     def near(self) -> ShiftInvert:
-        """An operator near the window, by which errors are estimated."""
+        """Operator at the shift of one of the first two discs, used for error estimates."""
         near = [each.centre for each in self.discs[:2]]
         if self._op is not None and (not near or self._op.shift in near):
             return self._op
         return self.at(near[0])
 
     def odd(self, shift: float | None = None) -> bool:
-        """Whether signs of determinants show another real eigenvalue beyond a shift, or any."""
+        """Whether the sign of a determinant shows that a real eigenvalue beyond a shift is missing.
+
+        Without a shift: beyond any of those factorised.
+        """
         if self.found is None:
             return False
         values = self.found.eigenvalues.real
@@ -136,14 +140,17 @@ class Search:
         return any(self.parities[s] != np.sum(sign * (values - s) > 0) % 2 for s in chosen)
 
     def left(self, rows: int) -> tuple[Complexes, Complexes]:
-        """Eigenvalues of the transposed pencil and so many rows of their vectors, of all found."""
+        """Return the left eigenvalues of all found, and the first rows of their vectors.
+
+        They are eigenvalues and vectors of the transposed pencil.
+        """
         assert self.found is not None
         values, found = self.found.eigenvalues, None
         discs = sorted(
             self.discs, key=lambda each: self._op is None or each.centre != self._op.shift
         )
         beyond = [np.abs(values - disc.centre) - disc.radius for disc in discs]
-        nearest = np.argmin(beyond, axis=0)  # some converged outside of all discs
+        nearest = np.argmin(beyond, axis=0)  # some eigenvalues converged outside of all discs
         for number, disc in enumerate(discs):
             distances = np.abs(values - disc.centre)
             inside = self.found.whole | (distances < disc.radius * _INSIDE) | (nearest == number)
@@ -162,11 +169,11 @@ class Search:
 
 
 def nearest_plan(search: Search, place: complex, wanted: int) -> Iterator[tuple[float, Radius]]:
-    """The disc that holds the few eigenvalues nearest to a place.
+    """Yield the disc that holds the ``wanted`` eigenvalues nearest to a target, the ``place``.
 
-    The place is a real kappa (1/s^2); with damping or rotation lambda with Im lambda >= 0 (1/s),
-    not zero, and the disc about a real shift holds the disc about it, and more. A few more than
-    ``wanted`` may come, with damping of those with Im lambda >= 0.
+    The target is a real kappa (1/s^2), or with damping or rotation a nonzero lambda (1/s) with
+    Im lambda >= 0; the disc about a real shift then contains the disc about the target. It may
+    hold a few more eigenvalues than ``wanted``; with damping those with Im lambda >= 0 count.
     """
     matrices = search.matrices
     wanted = min(wanted, matrices.size - matrices.tied)

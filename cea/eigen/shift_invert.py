@@ -1,10 +1,10 @@
-"""Shift-and-invert operators: what a search needs of a factorised pencil.
+"""Shift-and-invert operators on a factorised pencil, as used by the Krylov-Schur method.
 
 Without damping K x = kappa M x, and about a shift sigma
 
     OP = (K - sigma M)^-1 M,    theta = 1 / (kappa - sigma).
 
-With x, and z = lambda x / g beside it, (lambda^2 M + lambda D + K) x = 0, D = C + Y, is linear too,
+With z = lambda x / g the problem (lambda^2 M + lambda D + K) x = 0, D = C + Y, is linear too,
 
     lambda [ x ]   [        g z           ]
            [ z ] = [ -M^-1 (K x / g + D z) ],
@@ -14,8 +14,8 @@ and its inverse at a real shift s takes one solve with P(s) = s^2 M + s D + K:
     OP [ a ]   [       x         ]
        [ b ] = [ (a + s x) / g ],     P(s) x = -(g M b + s M a + D a).
 
-The scale g is the end of the window: there x and z are equally large, in an inner product that is
-M for both, and residuals are backward errors. All of it is real.
+The scale g is the end omega of the window, where x and z have equal norms; the inner product is M
+for both, so that residuals are backward errors. All quantities are real.
 """
 
 from copy import copy
@@ -31,12 +31,14 @@ from cea.eigen.regions import outside_of_window, upper_end
 from cea.eigen.shifted import Shifted
 
 MARGIN = 0.005
-"""What is covered beyond both ends of a damped window relative to omega: room between the window
-and the first mode beyond it, and conjugates of those next to the real axis."""
+"""Margin searched beyond both ends of a damped window relative to omega. It separates the window
+from the first mode beyond, and includes conjugates of modes next to the real axis."""
 
 
 class ShiftInvert:
-    """(K - sigma M)^-1 M, with M as inner product, about a shift sigma (1/s^2); SingularError.
+    """Operator (K - sigma M)^-1 M about a shift sigma (1/s^2), with the inner product M.
+
+    SingularError when the shift is an eigenvalue.
 
     Attributes
     ----------
@@ -45,7 +47,7 @@ class ShiftInvert:
     scale, reach
         omega (1/s), and the end of the window (1/s), infinite where all of a disc is wanted.
     negligible
-        theta times the shift from which down eigenvalues count as infinite.
+        Value of abs(theta * shift) below which eigenvalues count as infinite.
     """
 
     damped, negligible = False, 1e-10
@@ -70,42 +72,42 @@ class ShiftInvert:
         return Shifted(self.matrices, self.shift)
 
     def apply(self, _: Floats, image: Floats) -> Floats:
-        """OP on a block whose product with M is given."""
+        """Return OP times a block, whose product with M is ``image``."""
         return self.factors.solve_with_forces(image, transposed=self._transposed)[0]
 
     def image(self, block: Floats) -> Floats:
-        """A block times the matrix of the inner product."""
+        """Return the matrix of the inner product times a block."""
         return times(self.matrices.mass, block)
 
     def inner(self, left: Floats, right: Floats) -> Floats:
-        """Inner products of every column of one block with every column of another."""
+        """Return inner products of every column of one block with every column of another."""
         return np.asarray(all_inner(left, right, self.comm))
 
     def outside(self, theta: Complexes, errors: Floats) -> NDArray[np.bool_]:
-        """Which theta lie outside of the window by more than errors of their eigenvalues."""
+        """Return which theta lie outside the window by more than errors of their eigenvalues."""
         with np.errstate(divide="ignore", invalid="ignore"):
             kappa = self.shift + 1 / theta
         return outside_of_window(upper_end(self.reach**2), kappa, errors)
 
     def square(self, values: NDArray[Any]) -> NDArray[Any]:
-        """lambda^2 of eigenvalues."""
+        """Return lambda^2 of eigenvalues."""
         return -values
 
     def distance(self, values: NDArray[Any]) -> Floats:
-        """What the length of (K - sigma M)^-1 r is multiplied by as a backward error."""
+        """Return the factor that makes the norm of (K - sigma M)^-1 r a backward error."""
         return np.abs(values - self.shift)
 
     def inverse_step(
         self, values: NDArray[Any], x: NDArray[Any], *, transposed: bool = False
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """One step of inverse iteration: displacements and contact forces, scaled as x is."""
+        """Apply one step of inverse iteration; return displacements, scaled as x, and forces."""
         inertia = times(self.matrices.mass, x * (values - self.shift))
         return self.factors.solve_with_forces(inertia, transposed=transposed)
 
     def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
-        """What a subspace leaves out of its left vectors: W = Q - A^-T M Q (R - sigma)^T.
+        """Return the residual of left vectors in the subspace, W = Q - A^-T M Q (R - sigma)^T.
 
-        It is told for combinations ``mixed`` of them, with (R - sigma)^T times these in ``moved``.
+        It is computed for combinations ``mixed`` of its columns; ``moved`` is (R - sigma)^T mixed.
         """
         load = times(self.matrices.mass, combined(basis, moved))
         return combined(basis, mixed) - self.factors.solve_block(load, transposed=True)
@@ -113,12 +115,15 @@ class ShiftInvert:
     def pairing(
         self, values: Complexes, left: Complexes, right: Complexes
     ) -> tuple[Complexes, Complexes]:
-        """Y^H M X, and what its diagonal is to be; with damping as left vectors have it."""
+        """Return Y^H M X, and the diagonal that normalised left vectors give."""
         inertia = all_inner(left, times(self.matrices.mass, right), self.comm)
         return inertia, np.ones(len(values), dtype=complex)
 
     def transposed(self) -> Self:
-        """The same of the transposed pencil: its eigenvectors are conjugates of left ones."""
+        """Return the operator of the transposed pencil, whose eigenvectors are conjugate left ones.
+
+        It shares the factors.
+        """
         other = copy(self)
         other._transposed, other.reach, other._decay = True, np.inf, np.inf
         return other
@@ -129,9 +134,9 @@ class ShiftInvert:
 
 
 class Companion(ShiftInvert):
-    """The inverse of the companion form at a real shift; on each rank its rows of x and z.
+    """Inverse of the companion form at a real shift; each rank holds its rows of x, then of z.
 
-    Eigenvalues down to a decay (1/s) are of the window.
+    The window holds eigenvalues down to a decay rate (1/s).
     """
 
     damped, negligible = True, 1e-6
@@ -145,7 +150,7 @@ class Companion(ShiftInvert):
         return Shifted.quadratic(self.matrices, self.shift)
 
     def apply(self, block: Floats, image: Floats) -> Floats:
-        """OP on a block [a; b] whose image [M a; M b] is given."""
+        """Return OP times a block [a; b], whose image is [M a; M b]."""
         rows, back = len(block) // 2, self._transposed
         load = -(self.scale * image[rows:] + self.shift * image[:rows])
         load -= self.matrices.drag(block[:rows], transposed=back)
@@ -153,36 +158,39 @@ class Companion(ShiftInvert):
         return np.asfortranarray(np.vstack([x, (block[:rows] + self.shift * x) / self.scale]))
 
     def image(self, block: Floats) -> Floats:
-        """[M a; M b] of a block [a; b]."""
+        """Return [M a; M b] of a block [a; b]."""
         rows = len(block) // 2
         halves = [super(Companion, self).image(part) for part in (block[:rows], block[rows:])]
         return np.asfortranarray(np.vstack(halves))
 
     def outside(self, theta: Complexes, errors: Floats) -> NDArray[np.bool_]:
-        """Which theta lie outside of the window and its conjugate by more than errors."""
+        """Return which theta lie outside the window and its conjugate by more than their errors."""
         with np.errstate(divide="ignore", invalid="ignore"):
             values = self.shift + 1 / theta
         fast = np.abs(values.imag) - errors > (1 + MARGIN) * self.reach
         return np.asarray(fast | (values.real + errors < -self._decay))
 
     def square(self, values: NDArray[Any]) -> NDArray[Any]:
-        """lambda^2 of eigenvalues."""
+        """Return lambda^2 of eigenvalues."""
         return values**2
 
     def distance(self, values: NDArray[Any]) -> Floats:
-        """What the length of P(s)^-1 r is multiplied by, with s / g times it in the second half."""
+        """Return the factor that makes the norm of P(s)^-1 r a backward error.
+
+        The z of that vector is s / g times its x.
+        """
         return np.asarray(np.abs(values - self.shift) * np.hypot(1.0, self.shift / self.scale))
 
     def inverse_step(
         self, values: NDArray[Any], x: NDArray[Any], *, transposed: bool = False
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """P(s) x' + L^T f = (s - lambda) ((lambda + s) M + D) x, which is (P(s) - P(lambda)) x."""
+        """Solve P(s) x' + L^T f = (s - lambda) ((lambda + s) M + D) x = (P(s) - P(lambda)) x."""
         load = times(self.matrices.mass, x * (values + self.shift))
         load += self.matrices.drag(x, transposed=transposed)
         return self.factors.solve_with_forces(load * (self.shift - values), transposed=transposed)
 
     def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
-        """The same of the z of left vectors, which are y, by the adjoint of OP."""
+        """Return the residual of the second halves z = y of left vectors, by the adjoint of OP."""
         rows, scale = len(basis) // 2, self.scale
         whole = combined(basis, moved)
         load = times(self.matrices.mass, whole[:rows] + self.shift / scale * whole[rows:])
@@ -192,7 +200,7 @@ class Companion(ShiftInvert):
     def pairing(
         self, values: Complexes, left: Complexes, right: Complexes
     ) -> tuple[Complexes, Complexes]:
-        """Y^H ((lambda_i + lambda_j) M + D) X, and 2 lambda."""
+        """Return Y^H ((lambda_i + lambda_j) M + D) X, and 2 lambda."""
         inertia, _ = super().pairing(values, left, right)
         drag = all_inner(left, self.matrices.drag(right), self.comm)
         return (values[:, None] + values) * inertia + drag, 2 * values

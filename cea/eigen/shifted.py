@@ -6,9 +6,9 @@ With forces f as unknowns (:mod:`cea.eigen.multipliers`) the matrix at kappa = -
                [      J        -C   Z  ]
                [               Z^T     ]
 
-and the displacement part of A(kappa)^-1 [r; 0] is what drivers iterate with: multipliers carry no
-mass, and Krylov spaces stay ones of displacements. Circulatory pieces of K, and those of C of low
-rank, would fill the matrix: they are unknowns beside the forces.
+and the driver iterates with the displacement part of A(kappa)^-1 [r; 0]: multipliers carry no mass,
+so Krylov vectors hold displacements alone. Circulatory terms of K and low-rank terms of C would
+fill the matrix; their unknowns are appended to the forces instead.
 """
 
 from typing import Any
@@ -23,9 +23,9 @@ from cea.petsc import PETSc
 
 
 class Shifted:
-    """A(kappa) + s (C + Y) factorised at a shift kappa (1/s^2) and a rate s (1/s); SingularError.
+    """Factors of A(kappa) + s (C + Y) at a shift kappa (1/s^2) and a rate s (1/s).
 
-    With kappa = -s^2 it is that of a quadratic problem; :meth:`quadratic`.
+    SingularError when the matrix is singular. See :meth:`quadratic` for kappa = -s^2.
     """
 
     def __init__(self, matrices: Matrices, kappa: float = 0.0, rate: float = 0.0) -> None:
@@ -42,7 +42,7 @@ class Shifted:
 
     @classmethod
     def quadratic(cls, matrices: Matrices, rate: float) -> "Shifted":
-        """P(s) = s^2 M + s (C + Y) + K factorised at a real s (1/s)."""
+        """Factorise P(s) = s^2 M + s (C + Y) + K at a real s (1/s)."""
         return cls(matrices, -(rate**2), rate)
 
     @property
@@ -52,25 +52,25 @@ class Shifted:
         return 0 if forces is None else int(forces.compliance.getLocalSize()[0])
 
     def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
-        """Displacements for every column of forces, the rows of this rank."""
+        """Return displacements for every column of forces, the rows of this rank."""
         return self.solve_with_forces(b, transposed=transposed)[0]
 
     def solve_with_forces(
         self, b: NDArray[Any], *, transposed: bool = False
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Displacements and multipliers for every column of forces, the rows of this rank.
+        """Return displacements and multipliers for every column of forces, the rows of this rank.
 
-        They are real or complex; the matrix may be the transposed one.
+        Forces are real or complex; the system may be transposed.
         """
         solution = self._factors.solve_block(b, transposed=transposed)
         return solution[: self._local], solution[self._local : self._local + self.multipliers]
 
     def parity(self) -> int | None:
-        """Whether the number of real eigenvalues beyond the shift is odd (1) or even (0).
+        """Return the parity of the number of real eigenvalues beyond the shift: 1 if it is odd.
 
-        Those are kappa below it, or lambda above it. The determinant has the sign of (-1)^m there,
-        m contact forces, far away, and changes it at each real eigenvalue. None where it is not
-        known: for symmetric matrices and forces without compliance.
+        Beyond means kappa below the shift, or lambda above it. Far away in that direction the
+        determinant has the sign (-1)^m with m contact forces, and changes it at each real
+        eigenvalue. None for symmetric matrices and forces without compliance, where it is unknown.
         """
         if self._symmetric or (self._forces is not None and self._forces.tied):
             return None
@@ -85,10 +85,10 @@ class Shifted:
 
 
 def count_below(matrices: Matrices, kappa: float) -> int:
-    """Number of eigenvalues of the symmetric part below kappa (1/s^2), by its inertia.
+    """Return the number of eigenvalues of the symmetric part below kappa (1/s^2), by inertia.
 
-    Each multiplier adds one negative eigenvalue to those of S - kappa M; so it does beside a row
-    of Z^T, which takes one of its own sign and one of the other.
+    Each multiplier adds one negative eigenvalue to those of S - kappa M, also where there are rows
+    Z^T: each of these adds one positive eigenvalue.
     """
     forces, shifted = matrices.contacts, matrices.operator(kappa, symmetric_part=True)
     negative, _ = inertia(bordered(shifted, forces, symmetric=True))
@@ -96,9 +96,9 @@ def count_below(matrices: Matrices, kappa: float) -> int:
 
 
 def bordered(operator: Any, multipliers: Multipliers | None, *, symmetric: bool) -> Any:
-    """[A, L^T, .; J, -C, Z; ., Z^T, .], PETSc AIJ, in the place of A, which is destroyed.
+    """Return [A, L^T, .; J, -C, Z; ., Z^T, .] as PETSc AIJ; A is destroyed.
 
-    MUMPS scales it; L is J where symmetric. A itself without multipliers.
+    L is J where symmetric. Returns A itself without multipliers. MUMPS scales the matrix.
     """
     if multipliers is None:
         return operator

@@ -1,4 +1,4 @@
-"""Eigenvalues of a complex eigenvalue analysis, with the errors and search that vouch for them."""
+"""Eigenvalues of a complex eigenvalue analysis, with their errors and the window searched."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -13,48 +13,49 @@ from cea.errors import ResultWarning
 from cea.mode_table import SIGNS, ModeTable, aligned
 
 SLOW = 0.1
-"""Errors of modes slower than this part of the window are relative to it: rigid motions have no
-speed."""
+"""Fraction of omega below which errors are relative to it instead of to abs(lambda), which is zero
+for rigid body modes."""
 _TRUSTED = 1e-2
-"""Uncertainty of lambda, relative likewise, up to which a mode is trusted."""
+"""Largest uncertainty of lambda, relative to :attr:`Spectrum.speeds`, of a trusted mode."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """What was searched, and why it is believed complete.
+    """The window that was searched, and the evidence that it is complete.
 
-    A window holds the modes with 0 <= Im lambda <= omega of any growth. Without damping and
-    rotation eigenvalues are kappa = -lambda^2 (1/s^2), with them lambda (1/s).
+    A window holds the modes with 0 <= Im lambda <= omega of any growth rate, with damping or
+    rotation those of at least ``min_growth``. Eigenvalues are kappa = -lambda^2 (1/s^2), with
+    damping or rotation lambda (1/s).
     """
 
     max_frequency: float  # omega / (2 pi) (Hz)
-    shift: float  # of the first disc in which every eigenvalue was found
-    radius: float
-    found: int  # eigenvalues in all discs and around them
-    discs: int = 1
+    shift: float  # centre of the first disc
+    radius: float  # radius of the first disc
+    found: int  # number of eigenvalues in all discs, guard eigenvalues included
+    discs: int = 1  # number of discs
     # growth rate (1/s) up to which every mode was found; infinite where none can grow faster
     max_growth: float = 0.0
-    bounded: bool = False  # whether it was shown that none can grow faster
-    odd: bool = False  # whether the sign of a determinant shows that a real one was not found
-    # end of kappa for the count, a little above the window's, or with damping omega (1/s), and
-    # eigenvalues found below it, or with damping in the window
+    bounded: bool = False  # whether it was shown that no mode grows faster
+    odd: bool = False  # whether the sign of a determinant shows that a real eigenvalue is missing
+    # upper end of kappa for the count, slightly above omega^2, or with damping omega (1/s), and
+    # number of eigenvalues found below it, or with damping in the window
     upper: float = np.inf
     found_below: int = 0
-    symmetric_count: int | None = None  # those below it by inertia; None where friction acts
-    # frequency (Hz) and growth rate (1/s) of modes that grow up to 5 percent above the end
+    symmetric_count: int | None = None  # number below ``upper`` by inertia; None with friction
+    # frequency (Hz) and growth rate (1/s) of growing modes up to 5 percent above the end
     growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
-    # frequency (Hz) of the lowest mode above an empty window, where it was found
+    # frequency (Hz) of the lowest mode above an empty window; None where it is not known
     lowest: float | None = field(default=None, kw_only=True)
-    # whether the system is so small that all eigenvalues were computed
+    # whether all eigenvalues of a small system were computed by LAPACK
     whole: bool = field(default=False, kw_only=True)
     # with damping or rotation, growth rate (1/s) down to which every mode was found and is listed
     min_growth: float | None = field(default=None, kw_only=True)
-    # whether it is no window, but the eigenvalues nearest to a place were asked for
+    # whether the eigenvalues nearest to a target were computed instead of a window
     neighbours: bool = field(default=False, kw_only=True)
 
     @property
     def complete(self) -> bool:
-        """Whether every mode of the window was found, whatever its growth."""
+        """Whether every mode of the window was found, whatever its growth rate."""
         if self.symmetric_count is not None:
             return self.found_below == self.symmetric_count
         return self.bounded and not self.odd
@@ -67,22 +68,22 @@ class Window:
 
     @property
     def evidence(self) -> str:
-        """Why the window is believed complete, or how far it is not, in words."""
+        """Sentence that states why the window is complete, or what may be missing."""
         if self.neighbours:
-            return f"{self.found} eigenvalues nearest to a place; no window was searched"
+            return f"{self.found} eigenvalues nearest to a target; no window was searched"
         if self.symmetric_count is not None:
             return (
-                f"below kappa = {self.upper:.5g} {self.found_below} eigenvalues were found, and "
+                f"{self.found_below} eigenvalues were found below kappa = {self.upper:.5g}, and "
                 f"the inertia of S - kappa M counts {self.symmetric_count}"
             )
         found = (
-            f"{self.found} eigenvalues fill {self.discs} disc{'s' * (self.discs > 1)}, "
-            "in which appended random vectors found no further one"
+            f"the search found {self.found} eigenvalues in {self.discs} "
+            f"disc{'s' * (self.discs > 1)}; appended random vectors found no further one"
         )
         if self.whole:
             found = f"LAPACK computed all eigenvalues, of which {self.found} were kept"
         if self.min_growth is not None:
-            found += f"; the window reaches down to the growth rate {self.min_growth:.4g} 1/s"
+            found += f"; the window extends down to the growth rate {self.min_growth:.4g} 1/s"
         if self.odd:
             return f"{found}; the sign of a determinant shows that a real one is missing"
         if self.whole:
@@ -94,10 +95,10 @@ class Window:
     def headline(
         self, words: Sequence[Word], growth: Sequence[float], threshold: float | None
     ) -> str:
-        """How many modes have which word, the threshold that decided, and the word of all.
+        """Return the number of modes of each class, the threshold, and the verdict of the window.
 
-        ``words`` and ``growth`` rates (1/s) are those of the modes; the threshold is 1e-4 of
-        abs(lambda) where it is None.
+        ``words`` and ``growth`` are the classes and growth rates (1/s) of the modes; without a
+        threshold it is 1e-4 abs(lambda).
         """
         top = f"{self.max_frequency:g} Hz"
         if not words:
@@ -113,39 +114,40 @@ class Window:
 
     @property
     def hints(self) -> list[str]:
-        """What to know of modes just above the window, a line where some grow there."""
+        """Lines that name growing modes just above the end of the window; empty without any."""
         above = self.growing_above
         if not above:
             return []
         modes = "a mode grows" if len(above) == 1 else f"{len(above)} modes grow"
-        told = ", ".join(f"{growth:+.3g} 1/s at {at:.6g} Hz" for at, growth in above)
-        return [f"hint: {modes} just above the end of the window: {told}"]
+        each = ", ".join(f"{growth:+.3g} 1/s at {at:.6g} Hz" for at, growth in above)
+        return [f"hint: {modes} just above the end of the window: {each}"]
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Eigenvalues by rising frequency, Im lambda >= 0.
+    """Eigenvalues with Im lambda >= 0, sorted by frequency.
 
     Parameters
     ----------
     eigenvalues
         lambda (1/s), shape (n,): growth rate + i * angular frequency.
     residuals
-        Norm of (lambda^2 M + K) x relative to abs(lambda)^2 times that of M x, shape (n,). With
-        damping or rotation that of P(lambda) x relative to that of its parts, abs(M) abs(x) etc.
+        Norms of (lambda^2 M + K) x relative to abs(lambda)^2 times the norm of M x, shape (n,).
+        With damping or rotation norms of P(lambda) x relative to the norm of the sum of its terms
+        in absolute values, abs(lambda)^2 abs(M) abs(x) etc.
     conditions
         Condition numbers of lambda^2 in the M-norm, shape (n,): 1 for a symmetric problem without
         damping, large near a coalescence. Without left vectors, those within the subspace found.
     growth_uncertainties
-        What backward error and rounding of the matrices, times the condition, can make of lambda
-        (1/s), shape (n,).
+        Error estimates of lambda (1/s), shape (n,): backward error and rounding of the matrices
+        times the condition number.
     window
-        What was searched.
+        The window that was searched.
     bounded
-        Modes that cannot grow for the structure of the problem, shape (n,), as
-        :func:`cea.eigen.classify.cannot_grow` says; None where that is not known of any.
+        Modes that cannot grow owing to the structure of the problem, shape (n,), by
+        :func:`cea.eigen.classify.cannot_grow`; None where it is not known for any mode.
     warnings
-        What they must be read with.
+        Warnings about the result.
     """
 
     eigenvalues: Complexes
@@ -174,7 +176,7 @@ class Spectrum:
 
     @property
     def damping_ratios(self) -> Floats:
-        """-Re lambda / abs(lambda), shape (n,): below zero where a mode grows, NaN where rigid."""
+        """-Re lambda / abs(lambda), shape (n,): negative for growing modes, NaN for rigid ones."""
         ratios = np.full(len(self), np.nan)
         moving = ~self.rigid & (self.eigenvalues != 0)
         ratios[moving] = 0.0 - self.growth_rates[moving] / np.abs(self.eigenvalues[moving])
@@ -182,38 +184,38 @@ class Spectrum:
 
     @property
     def rigid(self) -> NDArray[np.bool_]:
-        """Modes whose lambda is zero but for rounding, shape (n,): nothing holds their motion."""
+        """Whether each mode is a rigid body mode, lambda = 0 within its error, shape (n,)."""
         return self.trusted & (np.abs(self.eigenvalues) <= self.growth_uncertainties)
 
     @property
     def slowest(self) -> float:
-        """Tenth of the window (1/s): what errors of slower modes are relative to, else zero.
+        """Least reference value of relative errors (1/s): a tenth of omega, zero without a window.
 
-        Rigid motions have lambda = 0 but for rounding, and no speed of their own.
+        It replaces abs(lambda) of rigid body modes, which is zero apart from rounding.
         """
         end = 2 * np.pi * self.window.max_frequency
         return SLOW * end if np.isfinite(end) else 0.0
 
     @property
     def speeds(self) -> Floats:
-        """abs(lambda), but no less than :attr:`slowest` (1/s): what errors are relative to."""
+        """Reference values of relative errors (1/s): abs(lambda), at least :attr:`slowest`."""
         return np.maximum(np.abs(self.eigenvalues), self.slowest)
 
     @property
     def trusted(self) -> NDArray[np.bool_]:
-        """Modes that are known to a hundredth of their speed, shape (n,)."""
+        """Whether each mode has an error of at most 1 % of :attr:`speeds`, shape (n,)."""
         return self.growth_uncertainties <= _TRUSTED * self.speeds
 
     def thresholds(self, threshold: float | None = None) -> Floats:
-        """Growth rates (1/s) above which modes are called unstable; None takes 1e-4 abs(lambda)."""
+        """Growth rates (1/s) above which modes count as unstable; None takes 1e-4 abs(lambda)."""
         return thresholds(self.eigenvalues, threshold)
 
     def unstable(self, threshold: float | None = None) -> NDArray[np.bool_]:
-        """Modes that are called unstable, shape (n,)."""
+        """Return whether each mode is classified as unstable, shape (n,)."""
         return np.array([word == "unstable" for word in self.verdicts(threshold)], dtype=bool)
 
     def verdicts(self, threshold: float | None = None) -> list[Word]:
-        """The word of each mode, with its algebraic error (:func:`cea.eigen.classify.classify`)."""
+        """Classify each mode with its algebraic error (:func:`cea.eigen.classify.classify`)."""
         return classify(
             self.growth_rates,
             self.growth_uncertainties,
@@ -223,13 +225,13 @@ class Spectrum:
         )
 
     def verdict(self, threshold: float | None = None) -> RunWord:
-        """The word of the whole window (:func:`cea.eigen.classify.classify_run`)."""
+        """Classify the whole window (:func:`cea.eigen.classify.classify_run`)."""
         window = self.window
         each = self.verdicts(threshold)
         return classify_run(each, complete=window.complete, missing=window.missing)
 
     def table(self, threshold: float | None = None) -> ModeTable:
-        """A row for each mode: its number from 1, frequency (Hz), growth rate (1/s), errors."""
+        """Return a row for each mode: number from 1, frequency (Hz), growth rate (1/s), errors."""
         ratios = zip(self.damping_ratios.tolist(), self.rigid.tolist(), strict=True)
         columns: dict[str, Iterable[Any]] = {
             "mode": range(1, len(self) + 1),
@@ -247,11 +249,11 @@ class Spectrum:
         return ModeTable(dict(zip(columns, row, strict=True)) for row in rows)
 
     def headline(self, threshold: float | None = None) -> str:
-        """How many modes have which word, the threshold that decided, and the run's word."""
+        """Return the number of modes of each class, the threshold, and the verdict of the run."""
         words, growth = self.verdicts(threshold), self.growth_rates.tolist()
         return self.window.headline(words, growth, threshold)
 
     def text(self, threshold: float | None = None) -> str:
-        """The headline, and all modes in a table with marks."""
+        """Return the headline and a table of all modes with marks."""
         lines = aligned(self.table(threshold))
         return "\n".join([self.headline(threshold), *self.window.hints, *lines, SIGNS])

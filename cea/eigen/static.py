@@ -1,4 +1,4 @@
-"""Static equilibrium K x = load by one factorisation, trusted or refused."""
+"""Static equilibrium K x = load by one factorisation, rejected if rounding dominates."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,9 @@ from cea.timing import StageTimer
 
 _SINGULAR = "the stiffness is singular: the bodies are not held by supports and contacts"
 _LOST = 0.1
-"""Part of the displacement that rounding may come to before it is refused."""
+"""Rounding error relative to the displacement from which on a solution is rejected."""
 _PROBES = 4
-"""Random roundings tried."""
+"""Number of random perturbations of the size of rounding."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,13 @@ class Equilibrium:
 
 
 def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = None) -> Equilibrium:
-    """Displacements under a load (N), PETSc vector, of a pencil at its own parameters.
+    """Return the equilibrium under a load (N), a PETSc vector, at the default parameters.
 
     InputError when there is no load, ConvergenceError when the stiffness is singular, or so nearly
-    that nothing but rounding is left of the displacements; they are attached.
+    singular that rounding dominates the displacements, which are then attached.
     """
     if load is None:
-        raise InputError("load", None, "forces: the system was coupled without")
+        raise InputError("load", None, "a load vector: the system was coupled without forces")
     timer = timer or StageTimer()
     with timer("assembly"):
         matrices = pencil.at()
@@ -53,17 +53,16 @@ def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = No
     release(matrices)
     if not uncertainty < _LOST:
         raise ConvergenceError(
-            f"{_SINGULAR}, or so nearly that rounding comes to {uncertainty:.1e} of the "
-            "displacements",
+            f"{_SINGULAR}; rounding errors reach {uncertainty:.1e} of the displacements",
             best=x,
         )
     return Equilibrium(x, forces[:, 0], uncertainty)
 
 
 def rounding_uncertainty(matrices: Matrices, factors: Shifted, x: Floats, f: Floats) -> float:
-    """What random roundings of the entries of K make of displacements, relative to the largest.
+    """Return the effect of random rounding of K on displacements, relative to the largest.
 
-    Given are factors at kappa = 0, displacements x and contact forces f, one column each.
+    ``factors`` are those at kappa = 0; displacements x and contact forces f have one column each.
     """
     comm = matrices.stiffness.comm.tompi4py()
     sizes = Sizes(matrices)

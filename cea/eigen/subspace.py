@@ -1,10 +1,10 @@
-"""Invariant subspaces of a pencil: their eigenpairs, and by LAPACK all of a small pencil.
+"""Invariant subspaces of a pencil and their eigenpairs; dense computation for small pencils.
 
-Where few rows are, the inverted operator is applied to the identity and none can be missing:
-relative to the shift its eigenvalues near the window are large, and stiff penalties, which are
-small in it, leave them their digits. Where entries of the matrix are far apart, LAPACK balances it
-by powers of two first. Eigenvectors are then orthogonal in units of their own, and only left
-vectors tell the errors.
+For a small pencil the shift-and-invert operator is formed by applying it to the identity, so that
+no eigenvalue can be missed. Its eigenvalues near the window are large; stiff penalties, which give
+small ones, cost them no digits. Where the entries of the matrix differ much in size, LAPACK
+balances it by powers of two first. The basis is then orthonormal in scaled unknowns instead of in
+M, and errors can only be estimated with left vectors.
 """
 
 from collections.abc import Callable
@@ -21,12 +21,12 @@ from cea.eigen.block_products import beside, column_blocks, combined
 from cea.eigen.shift_invert import ShiftInvert
 
 type Radius = Callable[[float, Complexes], float]
-"""Radius of the disc about a shift that is searched, from the theta that are known."""
+"""Function that computes the radius of a disc from its shift and the current Ritz values theta."""
 
 _ROUNDING = 1e-13
-"""theta relative to the largest that may be rounding of zero."""
+"""Size of theta relative to the largest below which it counts as zero."""
 _GRADED = 64.0
-"""Ratio of the factors of balancing from which on norms say nothing."""
+"""Ratio of the largest to the least balancing factor from which on balancing is applied."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class InvariantSubspace:
     basis: Floats  # Q, the rows of this rank, shape (n_local, k)
     projected: Floats  # R (1/s^2), shape (k, k)
     symmetric: bool  # whether R is symmetric but for rounding, as without friction
-    whole: bool = False  # whether it holds all of the window, as LAPACK tells of small systems
-    graded: bool = False  # whether Q is orthonormal in units of its own, and not in M
+    whole: bool = False  # whether it holds all of the window, as computed by LAPACK
+    graded: bool = False  # whether Q is orthonormal in balanced unknowns, and not in M
 
     @classmethod
     def empty(cls, rows: int, *, symmetric: bool) -> "InvariantSubspace":
-        """The subspace of nothing, with so many rows on this rank."""
+        """Return the subspace of dimension zero with the given number of rows on this rank."""
         return cls(np.empty((rows, 0)), np.empty((0, 0)), symmetric)
 
     @property
@@ -55,10 +55,10 @@ class InvariantSubspace:
         return self._pairs[0]
 
     def eigenpairs(self, rows: int | None = None) -> tuple[Complexes, Complexes]:
-        """Eigenvalues, shape (k,), and the first rows of eigenvectors, shape (rows, k).
+        """Return eigenvalues, shape (k,), and the first rows of eigenvectors, shape (rows, k).
 
-        A conjugate follows its eigenvalue, and its vector is the conjugate. Undamped ones rise with
-        Im lambda, kappa = -lambda^2.
+        Each eigenvalue is followed by its conjugate, whose vector is the conjugate vector. They are
+        sorted by Re sqrt(kappa), which is Im lambda without damping.
         """
         values, small = self._pairs
         basis = self.basis[:rows]
@@ -74,7 +74,7 @@ class InvariantSubspace:
         return values, vectors
 
     def duals(self) -> Complexes:
-        """Dual basis of the eigenvectors in the basis, (k, k); its lengths are conditions."""
+        """Return the dual basis of the eigenvectors in Q, (k, k); its norms are the conditions."""
         vectors = self._pairs[1]
         if self.symmetric or not self.size:
             return vectors
@@ -89,9 +89,9 @@ class InvariantSubspace:
         return values[order], vectors[:, order]
 
     def extended(self, basis: Floats, coupling: Floats, form: Floats, shift: float) -> Self:
-        """With vectors V beside it: OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
+        """Append V with OP [Q V] = [Q V] [(R - shift)^-1, coupling; 0, form]."""
         own = np.linalg.inv(form)
-        # What was known stays as it is: far from a shift digits are lost to it.
+        # R is not recomputed from this shift: eigenvalues far from it would lose digits.
         across = -(self.projected - shift * np.eye(self.size)) @ coupling @ own
         own = own + shift * np.eye(len(form))
         nothing = np.zeros((len(form), self.size))
@@ -100,23 +100,26 @@ class InvariantSubspace:
 
 
 def symmetric_part(matrix: Floats) -> Floats:
-    """Symmetric part."""
+    """Return the symmetric part."""
     return 0.5 * (matrix + matrix.T)
 
 
 def small_eigenpairs(matrix: Floats, *, symmetric: bool) -> tuple[Complexes, Complexes]:
-    """Eigenvalues and vectors of a small matrix."""
+    """Return eigenvalues and eigenvectors of a small matrix."""
     values, vectors = np.linalg.eigh(symmetric_part(matrix)) if symmetric else np.linalg.eig(matrix)
     return values.astype(complex), vectors.astype(complex)
 
 
 def _twins(values: Complexes) -> Ints:
-    """Numbers of the conjugates of what precedes them; rounding may leave a lower one alone."""
+    """Return the indices of conjugates: those that follow an eigenvalue with Im kappa > 0.
+
+    Rounding may leave an eigenvalue with Im kappa < 0 without its conjugate.
+    """
     return 1 + np.flatnonzero(values.imag > 0)
 
 
 def _rising(values: Complexes) -> Ints:
-    """Order of kappa by Re sqrt(kappa), which is Im lambda; conjugates stay together."""
+    """Return the order of kappa by Re sqrt(kappa), which is Im lambda; pairs stay together."""
     twins = _twins(values)
     firsts = np.setdiff1d(np.arange(len(values)), twins)
     firsts = firsts[np.lexsort((-values[firsts].real, np.sqrt(values[firsts]).real))]
@@ -128,7 +131,10 @@ def _rising(values: Complexes) -> Ints:
 def dense_subspace(
     op: ShiftInvert, radius: Callable[[Complexes], float], *, disc_only: bool = False
 ) -> InvariantSubspace:
-    """The eigenvalues of a disc about the shift, and unless told all of the window; collective."""
+    """Return the eigenvalues of a disc about the shift, and unless disc_only of the window.
+
+    Collective.
+    """
     chosen = partial(_kept, op, radius, disc_only)
     operator, root, rows = _gathered(op)
     if op.symmetric:
@@ -150,7 +156,7 @@ def dense_subspace(
 
 
 def _gathered(op: ShiftInvert) -> tuple[Floats, Floats, slice]:
-    """L^T OP L^-T on every rank, L of the inner product L L^T, and the rows of this rank."""
+    """Return L^T OP L^-T and L on every rank, and the rows of this one; M = L L^T."""
     comm = op.comm.tompi4py()
     first = sum(comm.allgather(op.local)[: op.rank])
     rows = slice(first, first + op.local)
@@ -170,7 +176,7 @@ def _gathered(op: ShiftInvert) -> tuple[Floats, Floats, slice]:
 def _kept(
     op: ShiftInvert, radius: Callable[[Complexes], float], disc_only: bool, theta: Complexes
 ) -> Any:
-    """Which of all theta are in the disc or in the window; infinite eigenvalues are not."""
+    """Return which theta are in the disc or in the window; infinite eigenvalues are excluded."""
     sizes = np.abs(theta)
     finite = np.zeros(len(theta), dtype=bool)
     finite[np.argsort(-sizes)[: op.finite]] = True
@@ -183,12 +189,12 @@ def _kept(
 def leading_schur_form(
     operator: Floats, chosen: Callable[[Complexes], Any]
 ) -> tuple[Floats, Floats]:
-    """Schur form of OP on those eigenvalues, and its vectors."""
+    """Return the Schur form of OP on the chosen eigenvalues, and its Schur vectors."""
     form, vectors = schur(operator, output="real")
     every = np.ones(len(form), dtype=np.int32)
     _, _, re, im, *_ = dtrsen(every, form, vectors, job="N")
     kept = chosen(re + 1j * im)
     form, vectors, _, _, number, _, _, info = dtrsen(kept.astype(np.int32), form, vectors, job="N")
     if info:
-        raise LinAlgError("eigenvalues of a small matrix cannot be told from others")
+        raise LinAlgError("LAPACK cannot separate nearly equal eigenvalues of a Schur form")
     return form[:number, :number], vectors[:, :number]

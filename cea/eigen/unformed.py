@@ -1,8 +1,8 @@
-"""Pieces of a pencil that are never formed as matrices, for they would be full ones.
+"""Terms of a pencil that are never formed as matrices, since these would be dense.
 
-Symmetric pieces of the damping of low rank, W diag(d) W^T: modal damping is one. Circulatory pieces
-of the stiffness, L N^-1 J: damping that rotates with its body makes one of them of displacements at
-rest in space (:mod:`cea.motion`), skew but for what a mesh makes of it.
+Low-rank symmetric terms of the damping, W diag(d) W^T, such as modal damping. Circulatory terms of
+the stiffness, L N^-1 J, such as damping that rotates with its body, in displacements at points
+fixed in space (:mod:`cea.motion`); it is skew up to discretisation errors.
 """
 
 from collections.abc import Sequence
@@ -22,12 +22,12 @@ from cea.matrices import destroy, distributed, identity, scaled_total
 from cea.petsc import Mat, PETSc
 
 type Unknowns = tuple[Mat, Mat, Mat]
-"""J, L^T and N of a piece L N^-1 J, new matrices: its unknowns are w = N^-1 J x."""
+"""J, L^T and N, new matrices, of a term L N^-1 J with the unknowns w = N^-1 J x."""
 
 
 @dataclass(frozen=True)
 class UnformedTerm[Piece]:
-    """c(t) times a piece, c nowhere below zero."""
+    """A coefficient c(t) >= 0 times a piece."""
 
     piece: Piece
     coefficient: Dependence = CONSTANT
@@ -37,7 +37,7 @@ class UnformedTerm[Piece]:
 class LowRank:
     """W diag(d) W^T, d >= 0 of shape (r,), on some of the displacements.
 
-    ``vectors`` are the rows of W of this rank that are not zero, from the first displacement on.
+    ``vectors`` are the nonzero rows of W on this rank, which start at the row ``first``.
     """
 
     vectors: Floats
@@ -46,11 +46,11 @@ class LowRank:
 
     @property
     def rows(self) -> slice:
-        """Its rows among the displacements of this rank."""
+        """Nonzero rows among the displacements of this rank."""
         return slice(self.first, self.first + len(self.vectors))
 
     def times(self, x: NDArray[Any], comm: Any) -> NDArray[Any]:
-        """It times a block of vectors, the rows of this rank."""
+        """Return W diag(d) W^T times a block of vectors, the rows of this rank."""
 
         def product(part: Floats) -> Floats:
             image = np.zeros_like(part)
@@ -61,11 +61,11 @@ class LowRank:
         return by_parts(product, x)
 
     def sizes(self, x: Floats, comm: Any) -> Floats:
-        """abs(W) diag(d) abs(W)^T x: what rounding the entries of W is relative to."""
+        """Return abs(W) diag(d) abs(W)^T x, for estimates of rounding."""
         return LowRank(np.abs(self.vectors), self.weights, self.first).times(x, comm)
 
     def unknowns(self, factor: float, comm: Any) -> Unknowns:
-        """Those of a factor times it, a symmetric piece whose vectors are all displacements."""
+        """Return the unknowns of a factor times this term; W must have all rows of this rank."""
         columns: Any = (PETSc.DECIDE, self.vectors.shape[1])
         root = self.vectors * np.sqrt(factor * self.weights)
         left = distributed(csr_array(root), columns, comm)
@@ -75,9 +75,9 @@ class LowRank:
 
 
 def low_rank_sum(parts: Sequence[tuple[float, LowRank]], rows: int) -> LowRank | None:
-    """B B^T, B of so many rows, equal to a sum of factors, none below zero, times pieces.
+    """Return B B^T, B with the given number of rows, equal to a sum of factors >= 0 times pieces.
 
-    None where all are zero.
+    None where all products are zero.
     """
     columns = []
     for factor, piece in parts:
@@ -97,18 +97,18 @@ class Circulatory:
     right: Mat
 
     def times(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
-        """It, or J^T N^-1 L^T, times a block of vectors, the rows of this rank."""
+        """Return L N^-1 J, or its transpose, times a block of vectors, the rows of this rank."""
         if transposed:
             image = self._factors.solve_block(transposed_times(self.left, x))
             return transposed_times(self.right, image)
         return times(self.left, self.inner(x))
 
     def inner(self, x: NDArray[Any]) -> NDArray[Any]:
-        """N^-1 J times a block of vectors, the rows of this rank."""
+        """Return N^-1 J times a block of vectors, the rows of this rank."""
         return self._factors.solve_block(times(self.right, x))
 
     def unknowns(self, factor: float) -> Unknowns:
-        """Those of a factor times it: L and J share the factor so that both are of one size."""
+        """Return the unknowns of a factor times this term, split to give L and J equal norms."""
         left, right = (float(np.max(matrix.norm())) for matrix in (self.left, self.right))
         of_right = np.sqrt(factor * (left / right if left and right else 1.0))
         reaction = self.left.transpose(PETSc.Mat())

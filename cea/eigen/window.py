@@ -1,15 +1,16 @@
-"""Search of a window: discs about real shifts, and what shows that none of its modes is missing.
+"""Search of a window: discs about real shifts, and the evidence that no mode is missing.
 
-Without damping the first lies about the middle of the window, in kappa = -lambda^2. Where friction
-leaves no more than a cone about the real axis it covers the window; else further discs, left of
-all, cover it as far as friction may move eigenvalues (:mod:`cea.eigen.regions`). With damping or
-rotation the window holds the lambda with 0 <= Im lambda <= omega and Re lambda >= -d, and a disc
-about a real shift c > 0,
+Without damping the first disc lies about the middle of the window, in kappa = -lambda^2. It covers
+the window where friction confines eigenvalues to a cone about the real axis; otherwise further
+discs to the left cover all places to which friction may move eigenvalues
+(:mod:`cea.eigen.regions`). With damping or rotation the window holds the lambda with
+0 <= Im lambda <= omega and Re lambda >= -d, and a disc about a real shift c > 0,
 
     abs(lambda - c)^2 <= (c + d)^2 + omega^2,
 
-holds all of it up to the growth 2 c + d, and the conjugates; further discs follow to the right.
-Of small systems the first disc tells all (:mod:`cea.eigen.subspace`).
+contains the part of it with growth rates up to 2 c + d, and the conjugates; further discs follow to
+the right. For small systems all eigenvalues are computed at the first shift
+(:mod:`cea.eigen.subspace`).
 """
 
 import sys
@@ -28,34 +29,37 @@ from cea.eigen.spectrum import Window
 from cea.errors import ConvergenceError
 
 _DEPTH, _DEEP = 0.15, 3.0
-"""Depth X of the first covering disc relative to omega^2: where friction reaches no farther, and
-where it may, for modes that grow by 1.7 omega."""
+"""Depth X of the first covering disc relative to omega^2: where the field of values shows that no
+eigenvalue lies beyond, and where it does not, for growth rates up to 1.7 omega."""
 _FARTHER = 8.0
-"""Growth of the depth, or of a real shift, from one disc to the next."""
+"""Factor on the depth, or on a real shift, from one disc to the next."""
 _REACHED = 0.8
-"""Part of the depth of a disc that it answers for where eigenvalues may lie beyond."""
+"""Fraction of the depth of a disc that counts as covered where eigenvalues may lie beyond."""
 _AROUND = 1.5
-"""Radius up to which a disc about the middle is searched, relative to that of the plain one."""
+"""Largest radius of a disc about the middle that covers the cone, relative to that of the window
+alone."""
 _DECAY = 0.1
-"""Decay d down to which a damped window is complete by default, relative to omega."""
+"""Default decay rate d of a damped window relative to omega."""
 _LEAST_SHIFT, _FARTHEST_SHIFT = 0.1, 0.5
-"""First real shift relative to omega: the least, so that it is no eigenvalue of those that hardly
-grow, and the farthest, whose disc holds all that may grow."""
+"""First real shift relative to omega: its least value, which keeps it away from eigenvalues of
+small growth rate, and the largest one for which a single disc is to hold every growing mode."""
 _CROWDED, _FEW = 4, 100
-"""Eigenvalues in a disc that are too many: modes of the window without damping, and a number."""
+"""Largest number of eigenvalues in a disc: a multiple of the number of undamped modes in the
+window, and a constant added to it."""
 _AWAY, _SLIM = 4.0, 2.0
-"""Growth of a real shift where eigenvalues crowd, and the shift relative to omega from which on a
-disc reaches little beyond the decay asked for."""
+"""Factor on a real shift whose disc holds too many eigenvalues, and on the inverse of a default
+decay rate, which is reduced too from the second number times omega on: such a disc extends little
+beyond the decay rate."""
 
 
 type Plan = Iterator[tuple[float, float]]
-"""Centre and radius of each disc, once that before it was searched."""
+"""Centre and radius of each disc, computed after the previous disc was searched."""
 
 
 def window_plan(search: Search, decay: float | None) -> Plan:
-    """Discs that hold a window, as far as modes may grow, or discs are allowed.
+    """Yield discs that cover a window up to the largest possible growth rate or max_discs.
 
-    The decay (1/s) of damped windows may be lessened where modes crowd, unless it is given.
+    Without a given ``decay`` (1/s) that of a damped window may be reduced where modes cluster.
     """
     search.reach = search.end
     yield from _damped(search, decay) if search.matrices.quadratic else _undamped(search)
@@ -65,17 +69,17 @@ def window_plan(search: Search, decay: float | None) -> Plan:
 
 
 def _is_done(search: Search, *, bounded: bool) -> bool:
-    """Whether no further disc is needed, given that no mode grows faster, or allowed."""
+    """Whether no further disc is needed, or allowed; ``bounded``: no mode grows faster."""
     search.bounded = bounded
     seen = bounded and not search.odd(search.discs[-1].centre)
     return seen or len(search.discs) > search.options.max_discs
 
 
 def _undamped(search: Search) -> Plan:
-    """Discs of kappa from the middle of the window to the left.
+    """Yield discs of kappa from the middle of the window to the left.
 
-    Without friction eigenvalues are counted; with it the bound of where it moves them is worth its
-    price in large systems.
+    Without friction eigenvalues are counted by inertia. With it the bound by the field of values,
+    which costs a factorisation, is computed for large systems.
     """
     matrices, top = search.matrices, search.end**2
     upper, middle, depth = upper_end(top), 0.5 * top, _DEEP * top
@@ -111,7 +115,7 @@ def _undamped(search: Search) -> Plan:
 
 
 def _damped(search: Search, asked: float | None) -> Plan:
-    """Discs of lambda from the decay to the right, as far as modes may grow."""
+    """Yield discs of lambda from the decay to the right, up to the largest growth rate."""
     matrices, end = search.matrices, search.end
     with search.factorising(2):
         largest = largest_growth(matrices, end)
@@ -132,15 +136,15 @@ def _damped(search: Search, asked: float | None) -> Plan:
 
 
 def _radius(end: float, centre: float, left: float) -> float:
-    """Radius of a disc that holds the damped window to the right of a real part."""
+    """Return the radius of the disc through the corners of the damped window at Re = ``left``."""
     return float(np.hypot(centre - left, (1 + MARGIN) * end))
 
 
 def _not_crowded(search: Search, largest: float, asked: float | None) -> Plan:
-    """The first disc, about shifts farther to the right until its modes do not crowd.
+    """Yield the first disc, about shifts farther to the right until it holds few enough modes.
 
-    Overdamped modes may crowd at one rate of decay. From farther to the right a disc reaches less
-    beyond the decay asked for; where that does not help it is reduced, if nobody asked.
+    Overdamped modes may cluster at one decay rate. A disc about a shift farther to the right
+    extends less beyond the decay requested; where that does not suffice a default decay is reduced.
     """
     end = search.end
     search.decay = _DECAY * end if asked is None else asked
@@ -154,22 +158,22 @@ def _not_crowded(search: Search, largest: float, asked: float | None) -> Plan:
         if not search.crowded:
             search.most = sys.maxsize
             return
-        search.free()  # operators know the decay
+        search.free()  # operators depend on the decay
         if centre >= _SLIM * end and asked is None:
             search.decay /= _AWAY
         centre *= _AWAY
     raise ConvergenceError(
-        f"{search.crowded}: modes crowd near or above the growth rate {-search.decay:.4g} 1/s; "
-        "a higher min_growth leaves them out"
+        f"{search.crowded}: modes cluster near or above the growth rate {-search.decay:.4g} 1/s; "
+        "raise min_growth to exclude them"
     )
 
 
 def window_of(search: Search, values: Complexes) -> Window:
-    """What was searched, and why it is believed complete, given all eigenvalues found."""
+    """Return the window of a finished search with the evidence that it is complete."""
     assert search.found is not None
     matrices, found, whole = search.matrices, len(values), search.found.whole
     first = search.discs[0] if search.discs else Disc(search.near.shift, 0.0)
-    if np.isinf(search.reach):  # those nearest to a place
+    if np.isinf(search.reach):  # eigenvalues nearest to a target
         largest = float(np.abs(values).max(initial=abs(first.centre)))
         end = largest / (2 * np.pi) if matrices.quadratic else np.inf
         return Window(end, first.centre, 0.0, found, neighbours=True)

@@ -1,16 +1,18 @@
 """Orthonormal bases of a reduced model, and its norms of states and of residuals.
 
+The energy norm of displacements is that of
+
     X = S(t0) + s M(t0)
 
-with every parameter at its least value: K(t) is no softer in any direction while friction is left
-aside. The shift s, a hundredth of omega^2 of the window, keeps X definite where bodies float; it is
-larger where the stiffness is not positive. Bases are orthonormal in X for displacements and in C^
-for forces. A residual of forces v and gaps q is measured by
+with every parameter at its least value: without friction K(t) is at least as stiff in every
+direction. The shift s, a hundredth of omega^2 of the window, keeps X
+definite where bodies float; it is larger where the stiffness is not positive. Bases are orthonormal
+in X for displacements and in C^ for forces. The norm of a residual of forces v and gaps q is
 
     v^T X^-1 v + q^T (c_c C^ + J X^-1 J^T)^-1 q,
 
-c_c where contacts are stiffest: up to a factor of three the energy of the displacements and forces
-that it causes in the saddle problem without friction.
+with c_c of the stiffest contacts. Up to a factor of three it is the energy of the displacements and
+forces that the residual causes in the saddle problem without friction.
 """
 
 from collections.abc import Callable, Mapping
@@ -31,41 +33,41 @@ from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_to
 from cea.reduced.pieces import Pieces, Product
 
 _FELT = 1e-10
-"""Least compliance of contacts in the norm, relative to that of the bodies: closures that depend on
-each other, or nearly, are told apart by rounding alone."""
+"""Least compliance of contacts in the norm relative to that of the bodies; with less, nearly
+dependent closures would be separated by rounding alone."""
 _SHIFTS = 60
-"""Shifts that are tried, each four times the one before."""
+"""Largest number of shifts tried, each four times the one before."""
 _RESOLVED = 1e-6
-"""Part of the largest direction down to which a Gram matrix tells directions apart."""
+"""Norm relative to the largest down to which a Gram matrix resolves directions."""
 _PASSES = 6
-"""Most directions of a block are resolved in passes, each to that part of what was left."""
+"""Largest number of passes over a block; each resolves directions down to that fraction."""
 
 _ROUNDING = 0.5
-"""Length that is left of a new vector, orthogonalised once more, up to which it was rounding."""
+"""Norm of a unit vector after a second orthogonalisation below which it is dropped as rounding."""
 
 
 class InnerProduct:
-    """What bases are orthonormal in: ``image`` is its matrix times a block of this rank's rows."""
+    """An inner product; ``image`` applies its matrix to a block, the rows of this rank."""
 
     def __init__(self, comm: Any, rows: int, image: Callable[[Floats], Floats]) -> None:
         self.comm, self.rows, self.image = comm, rows, image
 
     def inner(self, left: Floats, right: Floats) -> Floats:
-        """L^T R, shape (columns of L, columns of R), the same on every rank."""
+        """Return the sum of L^T R over all ranks, the same on every rank."""
         return self.comm.bcast(self.comm.allreduce(left.T @ right))
 
     def lengths(self, block: Floats, image: Floats | None = None) -> Floats:
-        """Norms of the columns of a block, whose image may be known, the same on every rank."""
+        """Return the norms of columns, the same on every rank; ``image`` may be given."""
         image = self.image(block) if image is None else image
         squares = self.comm.allreduce(np.einsum("ij,ij->j", block, image))
         return np.sqrt(np.maximum(self.comm.bcast(squares), 0.0))
 
 
 class Norms:
-    """Both norms with X and the saddle problem factorised, at some values of all parameters.
+    """Norms of states and residuals, with X and the saddle problem factorised at given parameters.
 
-    ``states`` is that of bases, ``residuals`` that of what residuals cause (:meth:`caused`);
-    ``solve`` gives X^-1 v, the static displacements under forces.
+    ``states`` is the inner product of bases, ``residuals`` that of Riesz representatives of
+    residuals (:meth:`caused`); ``solve`` returns X^-1 v, the static displacements under forces.
     """
 
     def __init__(
@@ -89,7 +91,7 @@ class Norms:
         self.residuals = InnerProduct(pieces.comm, pieces.rows, self._image_of_caused)
 
     def _saddle(self, pencil: Pencil, matrix: Any) -> Product:
-        """(c_c C^ + J X^-1 J^T)^-1 of gaps, by the saddle problem without friction."""
+        """Return a function that applies (c_c C^ + J X^-1 J^T)^-1 by the frictionless problem."""
         both = zip(self._softness, pencil.forces, strict=True)
         parts = [scaled_total([(softness, each.compliance)]) for softness, each in both]
         closure = one_below_the_other([each.closure for each in pencil.forces])
@@ -108,14 +110,14 @@ class Norms:
         return pressed
 
     def _image(self, block: Floats) -> Floats:
-        """X x and C^ f."""
+        """Return X x and C^ f."""
         image = self._stiffness(block)
         for contact, _ in self._contacts:
             image += contact.compliance(block)
         return image
 
     def _image_of_caused(self, block: Floats) -> Floats:
-        """X x and (c_c C^ + J X^-1 J^T) f."""
+        """Return X x and (c_c C^ + J X^-1 J^T) f."""
         image, reactions = self._stiffness(block), np.zeros_like(block)
         for contact, _ in self._contacts:
             reactions += contact.closes.times(block)
@@ -125,7 +127,7 @@ class Norms:
         return image
 
     def caused(self, block: Floats) -> Floats:
-        """X^-1 v and (c_c C^ + J X^-1 J^T)^-1 q: inner products in ``residuals`` are of these."""
+        """Return the Riesz representatives X^-1 v and (c_c C^ + J X^-1 J^T)^-1 q of residuals."""
         return self.solve(block) + self._pressed(block)
 
     def free(self) -> None:
@@ -138,7 +140,7 @@ class Norms:
 def _definite(
     pencil: Pencil, values: Mapping[str, float], max_frequency: float
 ) -> tuple[Any, Mumps, float]:
-    """X with its factors and the shift s, enlarged until X is positive definite."""
+    """Return X, its factors and the shift s, which is increased until X is positive definite."""
     first = (SLOW * 2 * np.pi * max_frequency) ** 2
     for shift in (first * 4.0 ** np.arange(_SHIFTS)).tolist():
         parts = []
@@ -154,11 +156,12 @@ def _definite(
             return matrix, factors, shift
         factors.free()
         destroy(matrix)
-    raise InputError("mass", f"{negative} negative eigenvalues", "none")
+    allowed = "a mass matrix without negative eigenvalues"
+    raise InputError("mass", f"{negative} negative eigenvalues", allowed)
 
 
 class Span:
-    """An orthonormal basis of the span of all blocks it was given."""
+    """An orthonormal basis of the span of all added blocks."""
 
     def __init__(self, norm: InnerProduct) -> None:
         self.norm = norm
@@ -171,10 +174,10 @@ class Span:
         return self._store[:, : self.size]
 
     def add(self, block: Floats, image: Floats, floor: float) -> tuple[Floats, float]:
-        """Take the span of a block in, whose image is known, but for vectors of a length.
+        """Extend the basis by the span of a block, except directions with norms up to ``floor``.
 
-        Coordinates of the block in the basis are given, and the norm of what was left out of it,
-        as an operator on unit coefficients.
+        Returns the coordinates of the block in the basis, and the 2-norm of the part left out, as
+        an operator on coefficients.
         """
         left, products = self._outside(block, image)
         lost = 0.0
@@ -191,13 +194,13 @@ class Span:
         return self.norm.inner(self.vectors, image), max(lost, largest if left.size else 0.0)
 
     def _outside(self, block: Floats, image: Floats) -> tuple[Floats, Floats]:
-        """A block less its part in the span, and the Gram matrix of what is left."""
+        """Return a block minus its projection on the span, and the Gram matrix of the rest."""
         left = block - self.vectors @ self.norm.inner(self.vectors, image)
         products = self.norm.inner(left, self.norm.image(left))
         return left, 0.5 * (products + products.T)
 
     def _append(self, block: Floats) -> bool:
-        """New vectors, made orthonormal once more; whether none of them was rounding alone."""
+        """Append vectors, orthonormalised once more; return whether none was mere rounding."""
         left, products = self._outside(block, self.norm.image(block))
         sizes, axes = np.linalg.eigh(products)
         kept = sizes > _ROUNDING**2

@@ -1,4 +1,4 @@
-"""Bounds on the errors of eigenvalues of a reduced model, of one and of several together.
+"""Error bounds of the eigenvalues of a reduced model, single ones and clusters.
 
 With z = kappa of an undamped pencil and z = lambda of a damped one,
 
@@ -8,25 +8,25 @@ right and left vectors x and y of M-norm one, and their residuals r = P x and s 
 
     |z - z_pencil| <= (g |r| |s| + u) / |y^H P'(z) x|,
 
-norms in X^-1. It is of second order because r and s vanish on the basis (Galerkin). The factor g
-stands for the inverse of the pencil outside of the basis (:mod:`cea.reduced.spectrum`), u is
-rounding.
+norms in X^-1. The bound is of second order because r and s vanish on the basis (Galerkin). The
+factor g estimates the inverse of the pencil outside the basis (:mod:`cea.reduced.spectrum`), and u
+is rounding.
 
-Where eigenvalues nearly coalesce, bounds of one mean little: their condition grows without limit.
-With a basis Q of an invariant subspace of the linearised problem, its dual, the displacements X and
-Y of both and the block B of p eigenvalues, the residuals K X + D X B + M X B^2 (or K X - M X B) and
-those of Y bound the error of the block by e = g |R| |S|. The mean of the cluster then is off by no
-more than e, and its members by
+Near a coalescence bounds of single eigenvalues are useless, since their condition numbers grow
+without limit. With a basis Q of an invariant subspace of the linearised problem, its dual, the
+displacements X and Y of both and the block B of p eigenvalues, the residuals K X + D X B + M X B^2
+(or K X - M X B) and those of Y bound the error of the block by e = g |R| |S|. The error of the mean
+of the cluster is then at most e, and that of its members at most
 
     (2 |B - mean| + e)^(1 - 1/p) e^(1/p)
 
 (L. Elsner, An optimal bound for the spectral variation of two matrices, Linear Algebra Appl. 71
 (1985)).
 
-Rounding: entries of the reduced matrices are off relative to their parts, and by what is seen where
-both V^T (A V) and (A^T V)^T V are computed. Errors E move an eigenvalue of k unknowns and condition
-c by c sqrt(k) |y|^T E |x| (componentwise backward error; N. J. Higham,
-T. Mary, SIAM J. Sci. Comput. 41 (2019)).
+Rounding errors E of the entries of the reduced matrices are relative to their size, plus the
+observed difference of V^T (A V) and (A^T V)^T V. They move an eigenvalue of k unknowns and
+condition number c by c sqrt(k) |y|^T E |x| (componentwise backward error; N. J. Higham, T. Mary,
+SIAM J. Sci. Comput. 41 (2019)).
 """
 
 from collections.abc import Sequence
@@ -41,13 +41,13 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import connected
 
 _TOUCH = 10.0
-"""Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are
-judged together."""
+"""Distance of two eigenvalues, in multiples of the smaller error bound, up to which they are
+treated as one cluster."""
 _TINY = float(np.finfo(float).tiny)
 
 
 def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
-    """A x in real arithmetic: imaginary parts of those columns alone that have one."""
+    """Return A x in real arithmetic, without products of imaginary parts that are zero."""
     turning = np.flatnonzero(vectors.imag.any(axis=0))
     image = matrix @ np.hstack([vectors.real, vectors.imag[:, turning]])
     columns = vectors.shape[1]
@@ -60,8 +60,9 @@ def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
 class Term:
     """A term f z^p A of P(z) on a basis V of states.
 
-    V^T A V; coordinates of what its images A V and A^T V cause; norm of what these leave out;
-    errors of the entries of V^T A V by rounding.
+    ``square`` is V^T A V; ``right`` and ``left`` are coordinates of the Riesz representatives of
+    A V and A^T V, ``lost`` the norm of the part outside their basis; ``rounding`` are rounding
+    errors of the entries of V^T A V.
     """
 
     factor: float
@@ -74,7 +75,7 @@ class Term:
 
     @classmethod
     def summed(cls, parts: Sequence[tuple[float, "Term"]]) -> "Term":
-        """The sum of terms of one power with coefficients."""
+        """Return the sum of terms of equal power with coefficients."""
         first = parts[0][1]
         arrays = [sum(c * getattr(t, n) for c, t in parts) for n in ("square", "right", "left")]
         errors = [sum(abs(c) * getattr(t, n) for c, t in parts) for n in ("lost", "rounding")]
@@ -85,9 +86,10 @@ class Term:
 class Pairs:
     """Eigenpairs of a linearised problem T q = q / (z - shift).
 
-    z; x and y of M-norm one with their contact forces below, shape (k + m, n); right and left
-    vectors of T whose displacements have M-norm one, shape (k or 2 k, n); T and the shift; what
-    speeds in states of a damped pencil are divided by (1/s).
+    ``values`` are z; ``right`` and ``left`` are x and y of M-norm one, followed by contact forces,
+    shape (k + m, n); ``states`` and ``duals`` are right and left vectors of T whose displacements
+    have M-norm one, shape (k or 2 k, n); ``operator`` is T. ``scale`` (1/s) divides velocities in
+    states of a damped pencil.
     """
 
     values: Complexes
@@ -106,7 +108,7 @@ class Pairs:
 
 @dataclass(frozen=True)
 class Polynomial:
-    """P(z) on a basis, contact forces among its unknowns: what is solved, and what bounds it."""
+    """P(z) on a basis, contact forces among its unknowns, with data for error bounds."""
 
     terms: tuple[Term, ...]
 
@@ -116,14 +118,14 @@ class Polynomial:
         return any(each.power == 2 for each in self.terms)
 
     def at(self, z: float) -> Floats:
-        """P(z)."""
+        """Return P(z)."""
         total: Floats = np.sum([e.factor * z**e.power * e.square for e in self.terms], axis=0)
         return total
 
     def bounds(self, pairs: Pairs, outside: Floats) -> dict[str, Any]:
-        """Bounds of eigenpairs, with the factor g of each, shape (n,).
+        """Return the error bounds of eigenpairs; ``outside`` is the factor g of each, shape (n,).
 
-        Those of :class:`cea.reduced.spectrum.ReducedSpectrum` by their names.
+        Keys are names of fields of :class:`cea.reduced.spectrum.ReducedSpectrum`.
         """
         values, overlaps = pairs.values, self._overlaps(pairs)
         slopes = 1 / np.maximum(np.abs(overlaps), _TINY)
@@ -140,13 +142,13 @@ class Polynomial:
                 e, p = own + doubt, len(members)
                 reduction[members], means[members] = own, e
                 errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
-                if self.damped and (values[members].imag < 0).any():  # only a part is told
+                if self.damped and (values[members].imag < 0).any():  # conjugates are not listed
                     means[members] = reduction[members] = errors[members]
         bounds = {"errors": errors, "means": means, "reduction": reduction}
         return bounds | {"clusters": clusters, "overlaps": overlaps}
 
     def _overlaps(self, pairs: Pairs) -> Complexes:
-        """y^H P'(z) x."""
+        """Return y^H P'(z) x."""
         total = np.zeros(len(pairs.values), dtype=complex)
         for each in self.terms:
             if each.power:
@@ -156,9 +158,9 @@ class Polynomial:
         return total
 
     def _defects(self, x: Complexes, y: Complexes, z: Complexes) -> tuple[Any, Any]:
-        """Products of the norms of residuals of right and left vectors, and rounding.
+        """Return the product of the residual norms of right and left vectors, and rounding.
 
-        Of each vector, or of all together where z is a block that multiplies them.
+        For each vector, or for all together where z is a block that multiplies them.
         """
         single = z.ndim == 1
         norm = partial(np.linalg.norm, axis=0) if single else partial(np.linalg.norm, ord=2)
@@ -179,7 +181,7 @@ class Polynomial:
         return residuals, np.sqrt(len(y)) * (entries if single else norm(entries))
 
     def _together(self, pairs: Pairs) -> tuple[float, float, float]:
-        """Residuals and rounding of the block of a cluster, distance from a multiple of one."""
+        """Return residuals and rounding of the block of a cluster, and norm(B - mean)."""
         q, q_sizes, q_axes = np.linalg.svd(pairs.states, full_matrices=False)
         d, d_sizes, d_axes = np.linalg.svd(pairs.duals, full_matrices=False)
         x, y = pairs.right @ q_axes.conj().T / q_sizes, pairs.left @ d_axes.conj().T / d_sizes

@@ -1,8 +1,8 @@
-"""Where a mode or a pair begins or ceases to grow between three samples.
+"""Thresholds of a mode or a pair between three samples, where it begins or ceases to grow.
 
-What passes zero is positive where modes grow: -kappa of an undamped mode, -s of an undamped pair,
-growth above a level otherwise (:mod:`cea.reduced.following`). Its roots are found on the
-interpolant, and then by Newton's method on the pencil itself.
+They are zeros of a function that is positive where modes grow: -kappa of an undamped mode, -s of an
+undamped pair, otherwise the growth rate above a level (:mod:`cea.reduced.following`). Its roots are
+found on the interpolant, and refined by Newton's method on the pencil itself.
 """
 
 from collections.abc import Callable, Iterator
@@ -20,43 +20,43 @@ from cea.reduced.following import Sample, Unit, UnresolvedError, error_of_half, 
 from cea.reduced.window import Window
 
 _NEGLIGIBLE = 1e-6
-"""Error of lambda, relative, up to which it does not matter whether a mode grows."""
+"""Relative error of lambda up to which an undecided sign is accepted."""
 REAL = 1e-9
-"""Frequency, relative to the window's end, below which an eigenvalue is real."""
+"""Frequency relative to the end of the window below which an eigenvalue counts as real."""
 NEAR = 1e-3
-"""Part of an interval next to its samples in which a place counts as one of them."""
+"""Distance from a sample, relative to the interval, below which a place counts as that sample."""
 _ROUNDING = 4.0
-"""Error of an interpolant, in that of its samples, up to which it is nothing but theirs."""
+"""Error of an interpolant relative to that of its samples below which it is due to theirs."""
 _STEPS = 8
-"""Steps of Newton's method."""
+"""Largest number of Newton steps."""
 _CONVERGED = 1e-12
-"""Last step of it, relative to the parameter."""
+"""Size of a Newton step relative to the parameter at convergence."""
 _STRAY = 0.1
-"""Part of an interval by which Newton's steps may leave it."""
+"""Distance relative to the interval by which Newton's method may leave it."""
 _TINY = float(np.finfo(float).tiny)
 
 Function = Callable[[Any], Any]
-"""Of one place or of several."""
+"""Function of one value of the parameter, or of an array."""
 Quantity = Literal["growth", "coalescence", "zero", "end"]
-"""What passes zero (:func:`passing`)."""
+"""Function whose zeros are thresholds (:func:`passing`)."""
 _KINDS: dict[Quantity, tuple[str, int]] = {
     "growth": ("flutter", 2),
     "coalescence": ("flutter", 2),
     "zero": ("divergence", 1),
     "end": ("window", 2),
 }
-"""What begins there, and how many eigenvalues of both half planes then grow."""
+"""Kind of threshold, and number of eigenvalues of both half planes that begin to grow."""
 
 
 @dataclass(frozen=True)
 class Threshold:
     """A value at which the number of growing modes changes, with a bound on its error.
 
-    lambda there (1/s), Im lambda >= 0. The derivative of what passes zero (:func:`passing`); zero
-    where only the numbers of growing modes on both sides are known. The change of the number of
-    growing eigenvalues of the window, of both half planes, as the parameter rises. The kind is
-    "flutter", "divergence", "window" where a growing mode passes the window's end, or "count" where
-    only the numbers on both sides are known.
+    ``eigenvalue`` is lambda there (1/s), Im lambda >= 0. ``slope`` is the derivative of the
+    function that vanishes (:func:`passing`), or zero where only the numbers of growing modes on
+    both sides are known. ``change`` is that of the number of growing eigenvalues of the window, of
+    both half planes, as the parameter rises. ``kind`` is "flutter", "divergence", "window" where a
+    growing mode passes the end of the window, or "count" where only the numbers are known.
     """
 
     value: float
@@ -68,10 +68,11 @@ class Threshold:
 
 
 def passing(window: Window, of: Quantity, z: Any) -> Any:
-    """What passes zero, positive where modes grow in the window, shape (modes, ...).
+    """Return the function whose zeros are thresholds, shape (modes, ...).
 
-    Growth rate above the level (1/s); -s of two modes that coalesce without damping (1/s^4);
-    -kappa of one (1/s^2); the window's end less the frequency (rad/s).
+    It is positive where modes grow in the window: the growth rate minus the level (1/s), -s of two
+    undamped modes that coalesce (1/s^4), -kappa of one (1/s^2), or the end of the window minus the
+    frequency (rad/s).
     """
     if of == "coalescence":
         return -(((z[:1] - z[1:]) / 2) ** 2).real
@@ -81,7 +82,7 @@ def passing(window: Window, of: Quantity, z: Any) -> Any:
 
 
 def growing_root(window: Window, of: Quantity, z: Complexes) -> complex:
-    """The lambda of a mode that grows, or of both of a pair, where it passes zero."""
+    """Return lambda of a growing mode, or of both modes of a pair, at a threshold."""
     if of == "zero":
         return 0j
     mean = z.mean().real if of == "coalescence" else z[0]
@@ -91,7 +92,7 @@ def growing_root(window: Window, of: Quantity, z: Complexes) -> complex:
 
 @dataclass(frozen=True)
 class Crossings:
-    """What one unit does between three samples at rising ``places``; ``at`` gives spectra."""
+    """Thresholds of one unit between three samples at rising ``places``; ``at`` returns spectra."""
 
     window: Window
     at: Callable[[float], Sample]
@@ -99,13 +100,13 @@ class Crossings:
     places: tuple[float, float, float]
 
     def thresholds(self) -> Iterator[Threshold]:
-        """All thresholds of the interval.
+        """Yield all thresholds of the interval.
 
-        Raises UnresolvedError when a sign is not sure, or Newton's method leaves the interpolant.
+        UnresolvedError when a sign is undecided, or Newton's method disagrees with the interpolant.
         """
         window, unit = self.window, self.unit
         roots = window.roots(unit.members(self._grid))
-        if (roots.imag < -REAL * window.end).all():  # conjugates of others
+        if (roots.imag < -REAL * window.end).all():  # conjugates of other modes
             return
         members, speed = len(roots), max(float(np.abs(roots).min()), SLOW * window.end)
         negligible = _NEGLIGIBLE * speed
@@ -134,7 +135,10 @@ class Crossings:
     def _crossed(
         self, of: Quantity, branch: int, error: Function, negligible: float | None = None
     ) -> Iterator[Threshold]:
-        """Thresholds of a quantity; all its signs are to be sure where an error is negligible."""
+        """Yield the zeros of a quantity; with ``negligible`` all its signs must be certain.
+
+        Signs may then be undecided only where the error is below ``negligible``.
+        """
 
         def value(at: Any) -> Any:
             values = passing(self.window, of, self.unit.members(at))
@@ -152,7 +156,7 @@ class Crossings:
                 yield self._threshold(of, branch, place, sign, off)
 
     def _counts(self, of: Quantity, branch: int, place: float) -> bool:
-        """Whether a root changes the number of growing modes of the window."""
+        """Whether a zero changes the number of growing modes of the window."""
         window, unit = self.window, self.unit
         z = unit.members(place)
         if of == "coalescence":
@@ -170,7 +174,7 @@ class Crossings:
     def _threshold(
         self, of: Quantity, branch: int, start: float, sign: int, off: float
     ) -> Threshold:
-        """A root of an interpolant, improved on the pencil itself, at most so far off there."""
+        """Refine a root of an interpolant on the pencil itself; it may move by at most ``off``."""
         (low, _, high), stray, place = self.places, _STRAY * self._width, start
         for _ in range(_STEPS):
             sample, foreseen = self.at(place), self.unit.members(place)
@@ -209,7 +213,7 @@ class Crossings:
         )
 
     def _followed(self, of: Quantity, modes: Sample) -> tuple[float, float, float]:
-        """What passes zero of a mode or of a pair, its slope and its error."""
+        """Return the function of :func:`passing` of a mode or a pair, its slope and its error."""
         window, z, error = self.window, modes.z, modes.errors.max()
         value, slope = passing(window, of, z)[0], -modes.slopes[0]
         if of == "coalescence":
@@ -225,9 +229,9 @@ class Crossings:
     def _sure_roots(
         self, function: Function, error: Function, negligible: float
     ) -> Iterator[tuple[float, int]]:
-        """Roots of an interpolant with the sign after each; UnresolvedError where a sign is unsure.
+        """Yield roots of an interpolant with the sign after each; UnresolvedError if one is unsure.
 
-        Zero within the error of samples is sure where that error is negligible.
+        Zero within the error of the samples is accepted where that error is negligible.
         """
         grid, width = self._grid, self._width
         values, errors = function(grid), error(grid)
@@ -269,7 +273,7 @@ class Crossings:
                     raise UnresolvedError(place)
 
     def _check_apart(self, places: Floats, noise: float) -> None:
-        """Refuse places at which a damped pair may coalesce: its growth is flat up to there."""
+        """Raise UnresolvedError where a damped pair may coalesce: its growth is flat before."""
         half = self.unit.half
         if half is None or not self.window.by_growth or not len(places):
             return
@@ -279,7 +283,7 @@ class Crossings:
 
 
 def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:
-    """Roots between places where a function has opposite signs, with the sign after each."""
+    """Yield roots between points where a function has opposite signs, with the sign after each."""
     values = function(grid)
     for i in np.flatnonzero((values[:-1] > 0) != (values[1:] > 0)):
         yield _root(function, grid[i], grid[i + 1]), 1 if values[i + 1] > 0 else -1

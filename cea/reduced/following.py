@@ -1,13 +1,13 @@
-"""Eigenvalues between three values of a parameter: modes are matched and interpolated.
+"""Matching and interpolation of eigenvalues between three values of a parameter.
 
-A single eigenvalue is not smooth where it coalesces with another. Of two that come near to each
-other the mean and half the distance squared,
+An eigenvalue is not a smooth function where it coalesces with another, but the mean of the two and
+the square of half their distance,
 
     m = (z_1 + z_2) / 2,    s = ((z_1 - z_2) / 2)^2,
 
-are (Kato, Perturbation Theory for Linear Operators, sec. II.1). So modes are single, or pairs
-described by m and s, each a cubic Hermite interpolant through values and slopes. z is kappa =
--lambda^2 without damping and lambda with damping.
+are smooth (Kato, Perturbation Theory for Linear Operators, sec. II.1). Modes are therefore treated
+as single ones, or as pairs described by m and s, each with cubic Hermite interpolants of values and
+slopes. z is kappa = -lambda^2 without damping and lambda with damping.
 """
 
 from collections.abc import Sequence
@@ -23,24 +23,25 @@ from cea.eigen.matching import assign
 from cea.reduced.window import Window
 
 GRID = 17
-"""Points of an interpolant in each half of an interval at which its sign is looked at."""
+"""Points in each half of an interval at which the sign of an interpolant is evaluated."""
 _PARTNERS = 0.5
-"""Two modes are a pair where their distance falls below this part of the largest it has."""
+"""Ratio of the least to the largest distance of two modes up to which they are a pair."""
 _COPIES = 1e-8
-"""Relative distance of modes that stay copies of one, the square root of rounding."""
+"""Relative distance up to which modes count as one multiple eigenvalue: the root of rounding."""
 _APART = 0.25
-"""Misfit of an interpolant, in its distance from the next mode, that may be a mistaken match."""
+"""Misfit of an interpolant relative to the distance of the next mode above which modes may be
+mismatched."""
 _BEYOND = 1.03
-"""Frequency, relative to the window's end, beyond which modes may be lost and are not looked at."""
+"""Frequency relative to the end of the window beyond which modes are ignored."""
 _CONJUGATES = 1e-14
-"""Relative distance up to which two eigenvalues are conjugates."""
+"""Relative distance up to which two eigenvalues count as conjugates."""
 _ROUNDING = 64 * float(np.finfo(float).eps)
-"""Rounding of the mean of two modes, relative."""
+"""Relative rounding error of the mean of two modes."""
 _TINY = float(np.finfo(float).tiny)
 
 
 class UnresolvedError(Exception):
-    """What three samples do not tell; ``at`` is where another would help, if a place is known."""
+    """Three samples do not suffice; ``at`` is where a further sample would help, if known."""
 
     def __init__(self, at: float | None = None) -> None:
         super().__init__()
@@ -49,11 +50,11 @@ class UnresolvedError(Exception):
 
 @dataclass(frozen=True)
 class Sample:
-    """The spectrum at a value: with damping lambda of the upper half plane, without it kappa.
+    """The spectrum at a value: with damping lambda of the upper half plane, otherwise kappa.
 
-    z and derivatives; bounds on the errors of z, and of the mean of the cluster of each, by the
-    numbers of these, shape (n,); right eigenvectors of unit length in one basis for all values,
-    shape (k, n). Of several values all have one more axis, the first.
+    ``z`` and their derivatives ``slopes``; error bounds of z (``errors``) and of the mean of the
+    cluster of each (``means``), and numbers of clusters, shape (n,); right eigenvectors of unit
+    norm in one basis for all values, shape (k, n). Stacked samples have an additional first axis.
     """
 
     value: float
@@ -72,7 +73,7 @@ class Sample:
         return self.z, self.slopes, self.errors, self.means, self.clusters, self.vectors
 
     def with_mirror_image(self) -> "Sample":
-        """It with the conjugates of lambda below the real axis."""
+        """Return the sample with the conjugates of its lambda appended."""
         above = self[self.z.imag > 0]
         below = replace(above, clusters=above.clusters + 1 + self.clusters.max(initial=0))
         both = zip(self._arrays, below._arrays, strict=True)
@@ -80,17 +81,17 @@ class Sample:
 
     @classmethod
     def stacked(cls, samples: Sequence["Sample"]) -> "Sample":
-        """Several samples of the same modes."""
+        """Return several samples of the same modes as one."""
         arrays = zip(*(each._arrays for each in samples), strict=True)
         return cls(np.nan, *(np.stack(each) for each in arrays))
 
 
 class Hermite:
-    """Two cubics through values and slopes at three places, whose values have an error ``noise``.
+    """Two cubics through values and slopes at three points; ``noise`` is the error of the values.
 
-    The error of a cubic is largest in the middle: what the cubic over the whole interval misses
-    there bounds the error of the two, which is sixteen times smaller. ``misfit`` is that bound but
-    for the error of the values.
+    The error of a cubic is largest in the middle of its interval. The error there of one cubic over
+    the whole interval bounds that of the two cubics, which is sixteen times smaller. ``misfit`` is
+    that bound without ``noise``.
     """
 
     def __init__(
@@ -108,11 +109,11 @@ class Hermite:
         self.misfit = float(off / (4 * u * (1 - u)) ** 2)
 
     def __call__(self, at: Any) -> Any:
-        """Values at a place or at several, shape (n,)."""
+        """Return the values at a point or at several, shape (n,)."""
         return self._spline(at)
 
     def error(self, at: Any) -> Any:
-        """Bounds on the errors there."""
+        """Return error bounds of the values at a point or at several."""
         low, middle, high = self._places
         u = np.where(at <= middle, (at - low) / (middle - low), (at - middle) / (high - middle))
         return self.misfit * (4 * u * (1 - u)) ** 2 + self._noise
@@ -120,7 +121,7 @@ class Hermite:
 
 @dataclass(frozen=True)
 class Unit:
-    """A mode, whose z is ``mean``, or a pair with m and s; and how many modes are the same."""
+    """A mode with z = ``mean``, or a pair with m = ``mean`` and s = ``half``; its multiplicity."""
 
     window: Window
     mean: Hermite
@@ -128,7 +129,7 @@ class Unit:
     copies: int
 
     def members(self, at: Any) -> Complexes:
-        """The z of its modes at a place, shape (1 or 2,), or at several, shape (1 or 2, n)."""
+        """Return z of its modes at a point, shape (1 or 2,), or at several, shape (1 or 2, n)."""
         mean = np.asarray(self.mean(at), complex)
         if self.half is None:
             return mean[None]
@@ -136,7 +137,7 @@ class Unit:
         return np.stack([mean + root, mean - root])
 
     def errors(self, at: Any) -> Any:
-        """Bounds on the errors of z of its modes."""
+        """Return error bounds of z of its modes."""
         error = self.mean.error(at)
         if self.half is None:
             return error
@@ -144,13 +145,13 @@ class Unit:
         return error + np.minimum(np.sqrt(own), own / np.maximum(2 * root, _TINY))
 
     def doubts(self, at: Any) -> Any:
-        """Bounds on the errors of lambda of its modes (1/s)."""
+        """Return error bounds of lambda of its modes (1/s)."""
         least = np.abs(self.members(at)).min(axis=0).astype(complex)
         return self.window.doubts(least, self.errors(at))
 
 
 def units_of(window: Window, samples: Sequence[Sample]) -> list[Unit]:
-    """Modes and pairs between three samples at rising values; UnresolvedError if not told apart."""
+    """Return modes and pairs between three samples; UnresolvedError if they cannot be matched."""
     places = np.array([each.value for each in samples])
     chains, units = _chained(window, samples), list[Unit]()
     if not chains.z.size:
@@ -170,7 +171,7 @@ def units_of(window: Window, samples: Sequence[Sample]) -> list[Unit]:
 
 
 def _chained(window: Window, samples: Sequence[Sample]) -> Sample:
-    """All samples of the modes that continue each other."""
+    """Return the samples restricted to modes that are matched over all of them, stacked."""
     first, last = _matched(*samples[:2]), dict(_matched(*samples[1:]).tolist())
     rows = [(i, j, last[j]) for i, j in first.tolist() if j in last]
     chains = np.array(rows, dtype=np.int64).reshape(-1, 3).T
@@ -181,7 +182,7 @@ def _chained(window: Window, samples: Sequence[Sample]) -> Sample:
 
 
 def _matched(one: Sample, other: Sample) -> Ints:
-    """Pairs of modes by their shapes, and by how well the trapezoidal rule joins eigenvalues."""
+    """Return pairs of modes, matched by shape and by the trapezoidal rule for the eigenvalues."""
     step = (other.value - one.value) / 2
     moved = other.z - one.z[:, None]
     foreseen = step * (one.slopes[:, None] + other.slopes)
@@ -193,7 +194,7 @@ def _matched(one: Sample, other: Sample) -> Ints:
 
 
 def _without_copies(chains: Sample) -> tuple[Sample, Ints]:
-    """Modes that stay together at all samples once, and how many each stands for."""
+    """Return modes that coincide at all samples as one, and their multiplicities."""
     z = chains.z.T
     near = np.abs(z[:, None] - z) <= _COPIES * np.abs(z)[:, None]
     kept, copies = np.unique(near.all(axis=2).argmax(axis=1), return_counts=True)
@@ -201,12 +202,12 @@ def _without_copies(chains: Sample) -> tuple[Sample, Ints]:
 
 
 def _partners(window: Window, places: Floats, chains: Sample) -> list[int]:
-    """The partner of each mode, -1 of single ones; UnresolvedError when one has two."""
+    """Return the partner of each mode, -1 for single ones; UnresolvedError when one has two."""
     z, slopes = chains.z, chains.slopes
     half = (z[:, :, None] - z[:, None]) / 2
     with np.errstate(invalid="ignore"):
         slope = half * (slopes[:, :, None] - slopes[:, None])
-    slope[~np.isfinite(slope)] = 0.0  # of modes that have no interpolant
+    slope[~np.isfinite(slope)] = 0.0  # at coalescences, where there is no interpolant
     distances = np.abs(CubicHermiteSpline(places, half**2, slope)(grid_of(places)))
     near = distances.min(axis=0) <= _PARTNERS**2 * distances.max(axis=0)
     if not window.damped:
@@ -221,7 +222,7 @@ def _partners(window: Window, places: Floats, chains: Sample) -> list[int]:
 
 
 def _unit(window: Window, places: Floats, own: Sample, copies: int) -> Unit:
-    """A mode or a pair of samples that hold nothing else."""
+    """Return the unit of samples that hold one mode or one pair."""
     z: NDArray[Any] = own.z
     slopes: NDArray[Any] = own.slopes
     error = own.errors.max(axis=1)
@@ -241,14 +242,14 @@ def _unit(window: Window, places: Floats, own: Sample, copies: int) -> Unit:
 
 
 def grid_of(places: Sequence[float] | Floats) -> Floats:
-    """Points between three places at which signs are looked at."""
+    """Return the points between three samples at which signs are evaluated."""
     low, middle, high = places
     return np.concatenate([np.linspace(low, middle, GRID), np.linspace(middle, high, GRID)[1:]])
 
 
 def error_of_half(distance: Any, error: Any, *, together: Any) -> Any:
-    """Error of s of a pair from half the distance and the larger error of its members.
+    """Return the error of s of a pair from half the distance and the larger error of its members.
 
-    Where both are judged together Elsner's bound of a member is the root of that of s.
+    For a cluster (``together``) Elsner's bound of a member is the root of the bound of s.
     """
     return np.where(together, error**2, (2 * distance + error) * error)

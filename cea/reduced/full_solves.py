@@ -1,8 +1,8 @@
-"""Spectra of a reduced model along a line, and thresholds that full solves confirm.
+"""Spectra of a reduced model along a line, and confirmation of thresholds by full solves.
 
-At a threshold found what passes zero, the half distance squared of a pair or a growth rate, is
-computed on the pencil itself, and again where its slope takes it: Newton's method with the slope
-that the search gives.
+A threshold of the reduced model is refined on the full pencil by a simplified Newton method: the
+function that vanishes, the squared half distance of a pair or a growth rate, is computed by full
+solves, and its slope is that of the reduced model.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,15 +24,15 @@ from cea.reduced.thresholds import Line, thresholds_along
 from cea.reduced.window import Window
 
 _ASIDE = 1e-3
-"""Relative distance from a pair at which it is looked for: a pencil is singular on it."""
+"""Relative distance of the shift from a pair, at which the pencil is singular."""
 _NEIGHBOURS = 4
-"""Modes that are computed there."""
+"""Number of modes computed near a pair."""
 _STEPS = 6
-"""Steps of Newton's method."""
+"""Largest number of Newton steps."""
 _CONVERGED = 1e-13
-"""Last step of it, relative to the value."""
+"""Size of a Newton step relative to the value at convergence."""
 _TRAINING = 9
-"""Values at which bounds of a basis are looked at, and between which thresholds are sought."""
+"""Number of values at which bounds of a basis are evaluated, and thresholds are bracketed."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,13 @@ class ConfirmedThreshold:
     Parameters
     ----------
     parameter
-        Name of the parameter, or names of those that have the value.
+        Name of the parameter, or names of several parameters with equal values.
     value
-        Its value there.
+        Value of the parameter at the threshold.
     eigenvalue
-        lambda there (1/s), of two modes that coalesce their mean.
+        lambda there (1/s); for two modes that coalesce their mean.
     warnings
-        What the value must be read with.
+        Warnings about the value.
     """
 
     parameter: str
@@ -69,10 +69,10 @@ def line_of_model(
     level: float = 0.0,
     known: Mapping[float, ReducedSpectrum] = MappingProxyType({}),
 ) -> Line:
-    """Spectra of a reduced model along a line; those that are known serve again.
+    """Return the line of spectra of a reduced model; those in ``known`` are reused.
 
-    ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
-    more than ``level`` (1/s) count.
+    ``parameters`` returns all parameters at a value of the line, which change at ``rates``. Modes
+    with growth rates above ``level`` (1/s) count as growing.
     """
     window = replace(small.window, level=level)
 
@@ -90,10 +90,10 @@ def line_of_model(
 def threshold_between(
     line: Line, real: float, flutter: float, frequency: float | None
 ) -> Threshold:
-    """The first threshold from one value on at which a mode begins to grow; without damping a pair.
+    """Return the first threshold after ``real`` at which a mode (undamped: a pair) begins to grow.
 
-    That nearest to a frequency (Hz) is taken where one is given. InputError is raised when nothing
-    begins to grow, ConvergenceError when an interval before it is not resolved.
+    With a ``frequency`` (Hz) it is the nearest one to it instead. InputError when no mode begins
+    to grow, ConvergenceError when an interval before the threshold is unresolved.
     """
     if real == flutter:
         raise InputError("flutter", flutter, "another value than real")
@@ -108,13 +108,13 @@ def threshold_between(
         each for each in found.unresolved if not begins or way * each.low < way * begins[0].value
     ]
     if before and (frequency is None or not begins):
-        told = ", ".join(f"{each.low:.6g} to {each.high:.6g}" for each in before)
-        raise ConvergenceError(f"thresholds may lie where spectra do not tell: {told}")
+        where = ", ".join(f"{each.low:.6g} to {each.high:.6g}" for each in before)
+        raise ConvergenceError(f"unresolved intervals may contain thresholds: {where}")
     if not begins:
         raise InputError(
             "flutter",
             flutter,
-            f"a value on the way to which from {real:g} one mode or more begin to grow",
+            f"a value such that at least one mode begins to grow between {real:g} and it",
         )
     return begins[0]
 
@@ -128,10 +128,11 @@ def first_threshold(
     max_frequency: float,
     frequency: float | None = None,
 ) -> ConfirmedThreshold:
-    """The first threshold of a pencil on the way between two values, confirmed by full solves.
+    """Return the first threshold of a pencil between two values, confirmed by full solves.
 
-    Of one parameter, e.g. ``contacts.pad_disc.mu``, or of several that have one value, in a window
-    (Hz); other parameters and errors as of :func:`threshold_between`.
+    ``parameter`` is one name, e.g. ``contacts.pad_disc.mu``, or several names whose values are
+    equal. The window ends at ``max_frequency`` (Hz). Other parameters and errors are those of
+    :func:`threshold_between`.
     """
     names = [parameter] if isinstance(parameter, str) else list(parameter)
     if not names:
@@ -153,8 +154,8 @@ def first_threshold(
     rates = dict.fromkeys(names, 1.0)
     line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
     found = threshold_between(line, real, flutter, frequency)
-    told = confirm(driver, point, found, line.window)
-    value, root = told or (found.value, found.eigenvalue)
+    confirmed = confirm(driver, point, found, line.window)
+    value, root = confirmed or (found.value, found.eigenvalue)
     return ConfirmedThreshold(", ".join(names), value, root)
 
 
@@ -164,10 +165,10 @@ def confirm(
     found: Threshold,
     window: Window,
 ) -> tuple[float, complex] | None:
-    """A threshold of the pencil itself, beginning at one of a reduced model, and lambda there.
+    """Return a threshold of the full pencil near one of a reduced model, and lambda there.
 
-    None where only numbers of growing modes beside it are known, or where it leaves what a
-    parameter allows.
+    None where only the numbers of growing modes beside it are known, or where an iterate is not an
+    allowed value of the parameter.
     """
     if not found.slope:
         return None
@@ -185,7 +186,7 @@ def confirm(
         z = _nearest(driver, point(value), of, window, root)
         root = growing_root(window, of, z)
         step = -float(passing(window, of, z)[0]) / found.slope
-        if abs(step) >= before:  # nothing but rounding is left
+        if abs(step) >= before:  # steps consist of rounding
             break
         value, before = value + step, abs(step)
         if before <= _CONVERGED * abs(value):
@@ -196,11 +197,11 @@ def confirm(
 def _nearest(
     driver: EigenSolver, point: Mapping[str, float], of: Quantity, window: Window, root: complex
 ) -> Complexes:
-    """The z of the mode, or of the pair, next to lambda."""
+    """Return z of the mode, or of the pair, nearest to lambda."""
     near = (root or 1j * window.end * _ASIDE) * (1 + _ASIDE)
     quadratic = driver.matrices(point).quadratic
     at = -(near**2) if quadratic else float(-(near**2).real)
-    wanted = 2 if window.by_growth else _NEIGHBOURS  # the mode and its partner, which is as near
+    wanted = 2 if window.by_growth else _NEIGHBOURS  # the mode and a partner at equal distance
     modes = driver.nearest(at, wanted, point)
     z: Complexes = modes.eigenvalues if window.damped else -(modes.eigenvalues**2)
     if of in ("growth", "end"):

@@ -1,7 +1,7 @@
-"""A basis enriched where its bounds are worst, until they are small over a whole map.
+"""Greedy enrichment of a basis where error bounds are largest, until all are below a tolerance.
 
-Each full solve is, before the basis takes it in, a test of what the reduced model says there. A
-bound that was passed raises the factor that all bounds are made with.
+Each full solve first tests the reduced model before it extends the basis. If an error exceeds its
+bound, the safety factor of all bounds is raised.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,22 +22,23 @@ Point = Mapping[str, float]
 """Values of the parameters that vary."""
 
 TOLERANCE = 1e-8
-"""Error of lambda relative to its speed up to which a value counts as certified."""
+"""Relative error bound of lambda up to which a value counts as certified."""
 _MEANINGFUL = 1e-3
-"""The same up to which a reduced model is tested by a full solve."""
+"""Relative error bound up to which a full solve tests the reduced model."""
 _REACH = 0.5
-"""Distance of a partner, relative to a speed, beyond which a mode is missing."""
+"""Distance relative to abs(lambda) of the nearest eigenvalue above which a mode is missing."""
 
 
 @dataclass
 class Enrichment:
-    """Greedy enrichment of a reduced model by at most so many full solves.
+    """Greedy enrichment of a reduced model by at most ``most`` full solves.
 
-    Errors of lambda, relative to its speed, are to be no more than ``tolerance``. What modes must
-    be read with is told by ``warnings``; full solves are announced to ``begin`` and given to
-    ``keep``. What was solved in full is told by ``solves`` as plain data, with the largest error of
-    the reduced model before, relative to its bound, as "tested": infinite where a mode was missing,
-    None where bounds were too large to tell; and by ``failed`` where that gave no answer, and why.
+    ``tolerance`` is the target of relative error bounds of lambda. ``warnings`` returns the
+    warnings about modes at a point; ``begin`` is called before each full solve, and ``keep`` with
+    its snapshot. ``solves`` lists all full solves as plain data; its "tested" is the largest error
+    of the reduced model there relative to its bound: infinite where a mode was missing, None where
+    the bounds were too large for a test. ``failed`` lists points where the full solve failed, with
+    the reason.
     """
 
     model: ReducedModel
@@ -51,14 +52,14 @@ class Enrichment:
     failed: list[dict[str, Any]] = field(default_factory=list)
 
     def at(self, point: Point) -> ReducedSpectrum:
-        """The reduced model at a point."""
+        """Return the spectrum of the reduced model at a point."""
         return self.model.small.at(self.model.pencil.values(point))
 
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
-        """Solve where bounds are worst until all are small or solves are spent; the worst left.
+        """Solve where bounds are largest until all are small or ``most`` solves are made.
 
-        Bounds hardly rise as a basis grows: where one is small it is not looked at again. Points
-        without an answer are left out.
+        Returns the largest bound left, without points whose solve failed. A point with a small
+        bound is not checked again, since bounds hardly rise as the basis grows.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
         if points and not self.solves:
@@ -76,7 +77,7 @@ class Enrichment:
         return 0.0
 
     def solve(self, point: Point) -> float | None:
-        """Solve in full as far as the model is to know, test it, take the modes in; the test."""
+        """Solve the full pencil at a point, test the model and extend it; return the test."""
         self.begin(point)
         window = self.model.small.window
         least = -window.reach if window.damped else None
@@ -91,7 +92,7 @@ class Enrichment:
         return self.take(solved)
 
     def take(self, taken: Snapshot) -> float | None:
-        """Test the reduced model by a full solve, and take its modes in."""
+        """Test the reduced model by a full solve and extend it; return "tested" (see the class)."""
         point, tested = taken.about["point"], None
         if self.worst(point) <= _MEANINGFUL:
             ratio = largest_ratio(self.at(point), taken)
@@ -103,7 +104,7 @@ class Enrichment:
         return tested
 
     def stands(self, points: Sequence[Point]) -> bool:
-        """Test the model at points by full solves, once each; whether it stood them all."""
+        """Test the model at points by full solves, once each; return whether all bounds held."""
         stood = True
         for point in points:
             known = [each["tested"] for each in self.solves if each["point"] == point]
@@ -112,17 +113,17 @@ class Enrichment:
         return stood
 
     def worst(self, point: Point) -> float:
-        """The worst bound at a point, the same on every rank; infinite without a basis."""
+        """Return the largest bound at a point, the same on every rank; infinite without a basis."""
         if not self.model.size:
             return np.inf
         return float(self.model.norms.states.comm.bcast(self.at(point).worst))
 
 
 def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
-    """Largest error of eigenvalues of a window relative to their bounds; infinite if one misses.
+    """Return the largest error of eigenvalues relative to their bounds; infinite if one is missing.
 
-    Clusters are compared by their means. Both lists reach beyond the window, so that nothing hangs
-    on which side of its end an eigenvalue lies.
+    Clusters are compared by their means. Both lists extend beyond the window, so that eigenvalues
+    near its end have partners.
     """
     window = found.looked_at
     theirs = full.eigenvalues if window.damped else -(full.eigenvalues**2)
@@ -141,7 +142,7 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
             continue
         error = abs((found.z[mine] - theirs[rows[members]]).mean())
         known = full.uncertainties[rows[members]]
-        if members.sum() > 1:  # the mean is not as sensitive as its members
+        if members.sum() > 1:  # the mean is less sensitive than its members
             known = known / full.conditions[rows[members]]
         known = known.max() * (1.0 if window.damped else 2 * full.speeds[rows[members]].max())
         ratio = max(ratio, error / (found.means[mine].max() + known))

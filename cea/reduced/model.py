@@ -1,21 +1,21 @@
-"""The reduced model: every piece of a pencil projected on a basis, and what its residuals need.
+"""The reduced model: all terms of a pencil projected on a basis, with data for residual norms.
 
-With a real basis V of states at some parameters, right and left eigenvectors with the contact
-forces of both (Galerkin: all are tested with the same space, so that errors of eigenvalues are
-products of residuals),
+The real basis V holds states at some parameters: right and left eigenvectors with their contact
+forces (Galerkin: test and trial spaces are equal, so that errors of eigenvalues are products of
+residuals). The reduced matrices are
 
     K_r(t) = sum_j c_j(t) V^T K_j V,    M_r(t) = sum_j c_j(t) V^T M_j V,
 
-and D of damping and rotation alike. A residual (K(t) - kappa M(t)) V y is a sum of the same kind of
-A_j V y. With an orthonormal basis Q of what all A_j V cause its norm is the length of sum_j c_j(t)
-(Q^T A_j V) y: nothing of the size of the pencil is touched, and no squares are subtracted, which
-would halve the digits (A. Buhr, C. Engwer, M. Ohlberger, S. Rave, A numerically stable a posteriori
-error estimator for reduced basis approximations of elliptic equations, 2014).
+and likewise D of damping and rotation. A residual (K(t) - kappa M(t)) V y is a similar sum of
+A_j V y. With an orthonormal basis Q of the Riesz representatives of all A_j V its norm is that of
+sum_j c_j(t) (Q^T A_j V) y, computed in small matrices and without subtracting squares, which would
+halve the digits (A. Buhr, C. Engwer, M. Ohlberger, S. Rave, A numerically stable a posteriori error
+estimator for reduced basis approximations of elliptic equations, 2014).
 
-Gaps have the forces that close them in the basis. Forces of a contact that is stiffer than its
-bodies have the static displacements that they cause: with them the basis can close a gap without
-bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)). A softer
-contact opens in the full solves themselves, and needs none.
+For every gap the basis contains the forces that close it. For forces of a contact stiffer than its
+bodies it contains the static displacements that they cause, so that the basis can close a gap
+without bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)).
+A softer contact needs none: its gaps open in the full solves.
 """
 
 from collections.abc import Mapping, Sequence
@@ -35,20 +35,21 @@ from cea.reduced.spectrum import SmallPencil
 from cea.reduced.window import Window
 
 BASIS = 1e-6
-"""Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
+"""Norm of the part of an eigenvector outside the basis, relative to its energy norm, below which it
+is dropped; errors of eigenvalues go with its square."""
 RESIDUAL = 1e-14
-"""Part of the images of the basis that is rounding: the basis of residuals leaves it out."""
+"""Relative norm of an image of the basis below which the basis of residuals drops it."""
 FORCES = 1e-8
-"""Part of the forces of a contact that the basis of forces leaves out; errors go by its square."""
+"""Relative norm of contact forces below which the basis drops them; errors go with its square."""
 
 
 @dataclass(frozen=True)
 class Snapshot:
     """Modes of a full solve with left vectors, the rows of this rank.
 
-    As plain data its "point", whether its window was shown to be "complete" and up to which
-    "max_growth" (1/s), None where to any, and "warnings". lambda, what its errors are relative to,
-    errors (1/s) and condition numbers, shape (n,); eigenvectors and contact forces of both sides,
+    ``about`` is plain data: the "point", whether the window is "complete", "max_growth" (1/s) up to
+    which it is (None: any), and "warnings". lambda, reference values of relative errors, errors
+    (1/s) and condition numbers have shape (n,); right and left eigenvectors and contact forces have
     shape (rows, n).
     """
 
@@ -66,7 +67,7 @@ class Snapshot:
     def of(
         cls, point: Mapping[str, float], modes: Modes, warnings: Sequence[ResultWarning] = ()
     ) -> "Snapshot":
-        """What a basis needs of modes that have left vectors."""
+        """Return the snapshot of modes with left vectors at a point."""
         assert modes.left is not None
         growth = float(modes.window.max_growth)
         about = {
@@ -81,10 +82,10 @@ class Snapshot:
         return cls(about, *values, modes.vectors, modes.left.vectors, *forces)
 
     def real_vectors(self, norm: InnerProduct, *, damped: bool) -> Floats:
-        """States of real and imaginary parts of all vectors, each complex one of length one.
+        """Return states of real and imaginary parts of all eigenvectors, scaled to unit norm.
 
-        Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that
-        real parts are as long as can be.
+        Only one of two conjugate kappa is used; there are none with damping. Phases are chosen to
+        maximise the real parts.
         """
         one = ((-(self.eigenvalues**2)).imag >= 0) | damped
         parts = [_parts(norm, self.right[:, one])]
@@ -93,7 +94,7 @@ class Snapshot:
         return np.hstack(parts)
 
     def real_forces(self) -> Floats:
-        """States of real and imaginary parts of all contact forces."""
+        """Return states of real and imaginary parts of all contact forces."""
         both = self.forces, self.left_forces
         parts = np.hstack([part for each in both for part in (each.real, each.imag)])
         return np.vstack([np.zeros((len(self.right), parts.shape[1])), parts])
@@ -111,26 +112,26 @@ def _parts(norm: InnerProduct, vectors: Complexes) -> Floats:
 
 
 class ReducedModel:
-    """A pencil on a basis that grows.
+    """A pencil projected on a growing basis.
 
     Parameters
     ----------
     pencil
-        The pencil.
+        The full pencil.
     box
         Least and greatest value of every parameter that varies.
     max_frequency
         Upper end of the window (Hz).
     min_growth
-        With damping or rotation, growth rate (1/s) below zero down to which eigenvalues are in the
-        window; None takes a tenth of the angular frequency of its end.
+        With damping or rotation, lower end of the growth rates of the window (1/s), negative; None
+        takes minus a tenth of 2 pi max_frequency.
 
     Attributes
     ----------
     pencil
-        The pencil.
+        The full pencil.
     small
-        The pencil on the basis.
+        The reduced pencil.
     """
 
     def __init__(
@@ -170,11 +171,11 @@ class ReducedModel:
 
     @property
     def size(self) -> int:
-        """Vectors of the basis."""
+        """Number of vectors of the basis."""
         return self._basis.size
 
     def take(self, taken: Snapshot) -> None:
-        """Take the right and left vectors of a full solve, up to the margin of the window, in."""
+        """Extend the basis by the right and left vectors and contact forces of a full solve."""
         norm, before, forces = self.norms.states, self._basis.size, taken.real_forces()
         blocks = [taken.real_vectors(norm, damped=self.small.window.damped)]
         for contact in self._pieces.contacts:
@@ -187,7 +188,7 @@ class ReducedModel:
         for contact in self._pieces.contacts:
             gaps = contact.closes.times(self._basis.vectors[:, first:])
             caused = contact.inverse(gaps)
-            # Gaps that vectors close but for rounding tell of no forces.
+            # Gaps that are closed up to rounding yield no forces.
             longest = float(norm.lengths(caused, gaps).max(initial=0.0))
             self._widest[contact] = max(longest, self._widest.get(contact, 0.0))
             floor = FORCES * self._widest[contact]
@@ -197,13 +198,13 @@ class ReducedModel:
         self._project(before)
 
     def raise_safety(self, safety: float) -> None:
-        """Make all bounds with another factor on the inverse outside of the basis."""
+        """Set the safety factor of all bounds, on the inverse of the pencil outside the basis."""
         self.small = replace(self.small, safety=safety)
 
     def _add_forces(
         self, contact: ContactPiece, forces: Floats, image: Floats, floor: float
     ) -> Floats:
-        """Take forces of a contact in; the displacements of length one that stiff ones cause."""
+        """Extend the basis by contact forces; return the unit displacements of stiff contacts."""
         before = self._basis.size
         self._basis.add(forces, image, floor)
         self._forces = np.pad(self._forces, (0, self._basis.size - before), constant_values=True)
@@ -213,17 +214,17 @@ class ReducedModel:
         return _unit(moved, self.norms.states.lengths(moved, image))
 
     def _add_displacements(self, blocks: list[Floats]) -> int:
-        """Take displacements in; number of the first vector that is new."""
+        """Extend the basis by displacements; return the index of the first new vector."""
         before, block = self._basis.size, np.hstack(blocks)
         self._basis.add(block, self.norms.states.image(block), BASIS)
         self._forces = np.pad(self._forces, (0, self._basis.size - before))
         return before
 
     def _project(self, before: int) -> None:
-        """Project all pieces on what the basis has grown by."""
+        """Project all terms on the new vectors of the basis."""
         both = zip(self._pieces.all, self.small.pieces, strict=True)
         grown = [(c, self._grown(piece, term, before)) for piece, (c, term) in both]
-        rows = self._residuals.size  # vectors of it come later than some pieces
+        rows = self._residuals.size  # later terms add rows to those of earlier ones
 
         def padded(block: Floats) -> Floats:
             return np.pad(block, ((0, rows - len(block)), (0, 0)))
@@ -243,7 +244,7 @@ class ReducedModel:
             rows = norm.inner(vectors, image)
             left, other = self._with_images(term.left, image)
             lost = max(lost, other)
-        # Both are A between new vectors, but for rounding.
+        # Both products contain V^T A V of the new vectors: their difference is rounding.
         twice = columns[before:], rows[before:].T
         corner = 0.5 * (twice[0] + twice[1])
         square = np.block([[term.square, columns[:before]], [rows[:before].T, corner]])
@@ -254,10 +255,10 @@ class ReducedModel:
         return Term(term.factor, term.power, square, right, left, lost, rounding)
 
     def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
-        """Coordinates of old and new images; the basis of residuals takes the new ones in.
+        """Extend the basis of residuals by new images; return all coordinates and the norm lost.
 
-        Images of displacements and those of forces are taken in one after the other: each are loads
-        alone or gaps alone, and only gaps need a solve for their norm.
+        Images of displacements and of forces are added separately: each consist of loads alone or
+        gaps alone, and only gaps need a solve for their norm.
         """
         norm, caused, size = self.norms.residuals, self.norms.caused(image), before.shape[1]
         floor = RESIDUAL * float(norm.lengths(caused, image).max(initial=0.0))
@@ -270,11 +271,11 @@ class ReducedModel:
         return grown, lost
 
     def free(self) -> None:
-        """Free factors and pieces."""
+        """Free the factors and the matrices of the terms."""
         self.norms.free()
         self._pieces.free()
 
 
 def _unit(block: Floats, lengths: Floats) -> Floats:
-    """Columns of length one; those of none are left out."""
+    """Return the columns scaled to unit norm, without zero columns."""
     return block[:, lengths > 0] / lengths[lengths > 0]

@@ -1,12 +1,11 @@
-"""Pieces of a pencil as operators on states: displacements with the contact forces below them.
+"""Terms of a pencil as operators on states: displacements followed by contact forces.
 
     [ K   J^T - c_f R^T ] [x]
     [ J      -c_c C^    ] [f],    M and D on displacements alone
 
-with K, M and D sums c_j(t) A_j; D holds damping and what rotation makes of it, modal damping as a
-product of its factors. Contact forces that are unknowns stay so, also where sides are tied: c_c is
-zero then (:mod:`cea.eigen.multipliers`). Pieces that depend on the parameters in the same way are
-summed once.
+with K, M and D sums c_j(t) A_j; D holds damping and gyroscopic terms, modal damping as a product of
+its factors. Contact forces are unknowns also where sides are tied: c_c is zero then
+(:mod:`cea.eigen.multipliers`). Terms with equal coefficients are summed once.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -28,12 +27,12 @@ from cea.petsc import PETSc
 Values = Mapping[str, float]
 """Values of all parameters of a pencil."""
 Product = Callable[[Floats], Floats]
-"""An operator times a block of vectors, the rows of this rank."""
+"""Function that applies an operator to a block of vectors, the rows of this rank."""
 
 
 @dataclass(frozen=True)
 class Piece:
-    """c(t) A of one role of a pencil, as products of A and A^T with blocks of states."""
+    """A term c(t) A of a pencil, with functions that apply A and A^T to blocks of states."""
 
     role: Role
     coefficient: Dependence
@@ -48,7 +47,7 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class ContactPiece:
-    """Rows of the forces of a contact among those of a state, C^ and its inverse, and J."""
+    """A contact: rows of its forces in a state, products with C^ and its inverse, and J."""
 
     rows: slice
     compliance: Product
@@ -57,7 +56,7 @@ class ContactPiece:
 
 
 class Pieces:
-    """All pieces of a pencil whose ``free`` parameters vary, on ``rows`` of states of this rank."""
+    """All terms of a pencil with ``free`` parameters; states have ``rows`` rows on this rank."""
 
     def __init__(self, pencil: Pencil, free: Iterable[str]) -> None:
         self._made: list[Any] = []
@@ -78,7 +77,7 @@ class Pieces:
             first = rows.stop
 
     def acting(self, product: Product, source: slice, target: slice) -> Product:
-        """A product from some rows of states to others, of the columns that have any."""
+        """Return a product from some rows of states to others, which skips zero columns."""
 
         def acts(block: Floats) -> Floats:
             image = np.zeros((self.rows, block.shape[1]), order="F")
@@ -90,19 +89,19 @@ class Pieces:
         return acts
 
     def free(self) -> None:
-        """Free what was made of the pieces of the pencil."""
+        """Free the matrices and factors made from the terms of the pencil."""
         for each in self._made:
             each.free() if isinstance(each, Mumps) else destroy(each)
         self._made.clear()
 
     def _piece(self, role: Role, of: Dependence, product: Product, turned: Product) -> Piece:
-        """A piece on displacements alone."""
+        """Return a term that acts on displacements alone."""
         own = slice(0, self.displacements)
         image = self.acting(product, own, own)
         return Piece(role, of, image, image if turned is product else self.acting(turned, own, own))
 
     def _of_terms(self, pencil: Pencil) -> Iterator[Piece]:
-        """Matrices, those that depend on the free parameters in the same way together."""
+        """Yield terms with matrices, summed where their coefficients are equal."""
         groups: dict[Any, tuple[Dependence, list[tuple[float, Any]]]] = {}
         for term in pencil.terms:
             varies = bool(term.coefficient.names & self._free)
@@ -120,19 +119,19 @@ class Pieces:
             yield self._piece(role, of, product, turned)
 
     def _of_low_rank(self, pencil: Pencil) -> Iterator[Piece]:
-        """Damping of modes one by one."""
+        """Yield low-rank terms: modal damping."""
         for term in pencil.low_rank:
             product = partial(term.piece.times, comm=pencil.comm)
             yield self._piece("damping", term.coefficient, product, product)
 
     def _of_circulatory(self, pencil: Pencil) -> Iterator[Piece]:
-        """What damping that rotates with a body makes of displacements."""
+        """Yield circulatory terms: damping that rotates with a body."""
         for term in pencil.circulatory:
             turned = partial(term.piece.times, transposed=True)
             yield self._piece("stiffness", term.coefficient, term.piece.times, turned)
 
     def _of_contact(self, forces: ForcesOfContact, rows: slice) -> ContactPiece:
-        """A contact whose forces are unknowns; its pieces are added to all."""
+        """Return a contact whose forces are unknowns; its terms are appended to ``all``."""
         bodies = slice(0, self.displacements)
 
         def across(matrix: Any) -> tuple[Product, Product]:

@@ -1,7 +1,8 @@
-"""A pencil on a basis, in small matrices alone: eigenvalues up to the margin of a window.
+"""Reduced pencil in small dense matrices, and its eigenvalues in a window with a margin.
 
-Undamped, the inverse of the shifted stiffness is solved for 1 / (kappa + s); damped, the companion
-form inverted about a real shift of growth. What lies in the margin helps to judge the rest.
+Without damping eigenvalues 1 / (kappa + s) of the inverse of the shifted stiffness are computed;
+with damping those of the companion form, inverted about a positive real shift. Eigenvalues in the
+margin are needed for the error bounds of clusters at the end of the window.
 """
 
 from collections.abc import Mapping
@@ -21,20 +22,21 @@ from cea.reduced.pieces import Values
 from cea.reduced.window import MARGIN, Window
 
 _BELOW = 0.05
-"""Part of the window below the real axis whose eigenvalues help to judge those next to it."""
+"""Margin of damped windows below the real axis, relative to the end of the window."""
 _INFINITE = 1e4
-"""Speed, relative to the window's end, of eigenvalues that ties make infinite but for rounding."""
+"""abs(lambda) relative to the end of the window from which on it is infinite (tied contact)."""
 _SAFETY = 2.0
-"""Factor on the inverse outside of the basis."""
+"""Initial safety factor on the inverse of the pencil outside the basis."""
 
 
 @dataclass(frozen=True)
 class ReducedSpectrum:
-    """Eigenvalues of a window and its margin, by rising frequency, with bounds on their errors.
+    """Eigenvalues of a window and its margin, sorted by frequency, with error bounds.
 
-    Bounds on the error of each z; of the mean of its cluster, or of itself where it is alone; what
-    the basis makes of the latter, without rounding; number of the cluster; y^H P'(z) x. kappa
-    (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm one.
+    ``errors`` bound each z, ``means`` the mean of its cluster (of one or more), and ``reduction``
+    is the part of the latter without rounding. ``clusters`` are numbers of clusters, ``overlaps``
+    are y^H P'(z) x. ``z`` is kappa (1/s^2), or lambda (1/s) with damping; ``right`` and ``left``
+    are coordinates of vectors of M-norm one.
     """
 
     errors: Floats
@@ -61,27 +63,27 @@ class ReducedSpectrum:
 
     @property
     def window(self) -> "ReducedSpectrum":
-        """Those of the window, without its margin."""
+        """The eigenvalues of the window, without its margin."""
         return self[np.flatnonzero(self.inside)]
 
     @property
     def inside(self) -> NDArray[np.bool_]:
-        """Which are in the window, shape (n,)."""
+        """Whether each eigenvalue is in the window, shape (n,)."""
         return ~self.looked_at.far(self.z)
 
     @property
     def speeds(self) -> Floats:
-        """abs(lambda), no less than a tenth of the window (1/s): what errors are relative to."""
+        """Reference values of relative errors (1/s): abs(lambda), at least a tenth of the end."""
         return np.maximum(np.abs(self.eigenvalues), SLOW * self.looked_at.end)
 
     @property
     def uncertainties(self) -> Floats:
-        """Bounds on errors of lambda (1/s), shape (n,)."""
+        """Error bounds of lambda (1/s), shape (n,)."""
         return self.looked_at.doubts(self.z, self.errors)
 
     @property
     def mean_errors(self) -> Floats:
-        """Bounds on errors of the means of clusters, of lambda relative to its speed, (n,)."""
+        """Error bounds of the mean of each cluster in lambda, relative to ``speeds``, (n,)."""
         return self.means * self._relative
 
     @property
@@ -94,27 +96,24 @@ class ReducedSpectrum:
 
     @property
     def worst(self) -> float:
-        """Largest error of a cluster's mean in the window that the basis makes, as `bound` has it.
-
-        Rounding is left aside: a larger basis does not help against it.
-        """
+        """Largest bound as in ``bound``, without rounding, which a larger basis cannot reduce."""
         return self._largest(self.reduction)
 
     @property
     def bound(self) -> float:
-        """Largest error of a cluster's mean in the window, of lambda relative to its speed."""
+        """Largest relative error bound of the mean of a cluster in the window, in lambda."""
         return self._largest(self.means)
 
     @property
     def _relative(self) -> Floats:
-        """What takes errors of z to those of lambda relative to its speed."""
+        """Factors that convert errors of z to relative errors of lambda."""
         return 1 / self.speeds if self.looked_at.damped else 1 / (2 * self.speeds**2)
 
     def _largest(self, errors: Floats) -> float:
         return float((errors * self._relative)[self.inside].max(initial=0.0))
 
     def words(self, threshold: float | None) -> list[Word]:
-        """A word for each mode, whose error is its bound, with a limit of growth (1/s)."""
+        """Classify each mode by its error bound, with a threshold of growth rates (1/s)."""
         values, bounds = self.eigenvalues, self.uncertainties
         bounded = np.zeros(len(values), dtype=bool)
         if not self.looked_at.damped:
@@ -126,7 +125,7 @@ class ReducedSpectrum:
 def _pairs(
     pencil: Polynomial, forces: NDArray[np.bool_], window: Window, energy_shift: float
 ) -> Pairs:
-    """Eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
+    """Return eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
     end, damped = window.end, pencil.damped
     shift = np.sqrt(energy_shift) if damped else -energy_shift
     scale = end if damped else 1.0
@@ -136,7 +135,7 @@ def _pairs(
     factors, k = lu_factor(pencil.at(shift)), len(root)
 
     def balanced(loads: Any, *, left: bool = False) -> NDArray[Any]:
-        """Displacements and contact forces under loads."""
+        """Return displacements and contact forces under loads."""
         rows = np.zeros((len(forces), loads.shape[1]), dtype=loads.dtype)
         rows[own] = loads
         found: NDArray[Any] = lu_solve(factors, rows, trans=int(left))
@@ -166,7 +165,7 @@ def _pairs(
     vectors = []
     for left, side, z in ((False, states[:k], values), (True, duals[-k:], values.conj())):
         motion = solve_triangular(root, side, lower=True, trans="T")
-        # Loads (P(shift) - P(z)) x are in balance with the forces of contacts.
+        # The contact forces are those under the loads (P(shift) - P(z)) x.
         moved = [(e.power, e.factor * squares[e.power]) for e in pencil.terms if e.power]
         loads = sum((A.T if left else A) @ motion * (shift**p - z**p) for p, A in moved)
         vectors.append(balanced(loads, left=left))
@@ -176,9 +175,10 @@ def _pairs(
 
 @dataclass(frozen=True)
 class SmallPencil:
-    """All pieces on one basis with their coefficients, some of whose vectors are ``forces``.
+    """All terms of a pencil on a basis with their coefficients.
 
-    The shift s (1/s^2) of the energy norm; a factor on the inverse outside of the basis.
+    ``forces`` marks basis vectors of contact forces; ``shift`` is s (1/s^2) of the energy norm;
+    ``safety`` is a factor on the inverse of the pencil outside the basis.
     """
 
     pieces: tuple[tuple[Dependence, Term], ...]
@@ -188,7 +188,7 @@ class SmallPencil:
     safety: float = _SAFETY
 
     def at(self, values: Values) -> ReducedSpectrum:
-        """Eigenvalues of the window and its margin at values of all parameters."""
+        """Return the eigenvalues of the window and its margin at given values of all parameters."""
         parts = [(coefficient.at(values), term) for coefficient, term in self.pieces]
         powers = sorted({term.power for _, term in parts})
         terms = [Term.summed([each for each in parts if each[1].power == p]) for p in powers]
@@ -202,9 +202,9 @@ class SmallPencil:
     def slopes(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
-        """Derivatives of z where parameters change at given rates.
+        """Return derivatives of z where parameters change at given rates.
 
-        - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
+        They are - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
         """
         change: Complexes = np.zeros(len(found), dtype=complex)
         for coefficient, term in self.pieces:
@@ -218,12 +218,12 @@ class SmallPencil:
         return moved
 
     def _outside(self, z: Complexes) -> Floats:
-        """The factor g for the inverse of the pencil outside of the basis, shape (n,).
+        """Return the factor g for the inverse of the pencil outside the basis, shape (n,).
 
-        Outside no eigenvalue lies below the end kappa_m of the margin: g = (kappa_m + s) /
-        (kappa_m - Re kappa), taken twice. Friction adds to that inverse what no factor bounds
-        beforehand; full solves test it. Modes that decay faster than the basis reaches are
-        outside of it too: where one has the frequency of an eigenvalue, P on it is about
+        Assuming that no eigenvalue outside the basis lies below the end kappa_m of the margin,
+        g = safety (kappa_m + s) / (kappa_m - Re kappa). Friction increases that inverse by an
+        amount not known in advance, so full solves test g. Modes that decay faster than those of
+        the basis are outside too: where one has the frequency of an eigenvalue, P on it is about
         2 |lambda| times their distance.
         """
         window = self.window

@@ -1,13 +1,13 @@
 """Thresholds along a parameter: every change of the number of growing modes is explained.
 
-Intervals between given values are described by interpolants (:mod:`cea.reduced.following`). Each
-root of a function whose sign tells whether modes grow is found on its interpolant, and by Newton's
-method on the pencil itself. An interval is accepted where the roots explain by how much the numbers
-of growing modes at its ends differ, and where every interpolant is sure of its sign elsewhere;
-otherwise it is halved. What is left is reported as unresolved.
+Eigenvalues between given values are interpolated (:mod:`cea.reduced.following`). Thresholds are
+roots of functions that are positive where modes grow; they are found on the interpolant and refined
+by Newton's method on the pencil itself. An interval is accepted if its roots explain the difference
+of the numbers of growing modes at its ends, and if the signs of all interpolants are certain
+elsewhere; otherwise it is halved. Intervals that remain are reported as unresolved.
 
-Growing modes are counted in both half planes, so that a pair that becomes two real eigenvalues
-changes nothing.
+Growing modes are counted in both half planes, so that the count does not change where a pair
+becomes two real eigenvalues.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,19 +23,19 @@ from cea.reduced.following import Sample, UnresolvedError, units_of
 from cea.reduced.window import Window
 
 RESOLUTION = 1e-7
-"""Width of an interval, relative to the axis, below which it is not halved again."""
+"""Width of an interval relative to the axis below which it is not halved further."""
 BUDGET = 30
-"""Spectra for each given value, at most."""
+"""Largest number of spectra for each given value."""
 _ASIDE = 1e-3
-"""Step by which an undecided value is moved at most, relative to that to the next value, or to the
-interval in which it is."""
+"""Largest step by which a value with undecided signs is moved, relative to the distance of the next
+value, or to its interval."""
 _MOVES = (0.0, 1 / 4096, 1 / 64, 1.0)
-"""Parts of that step that are tried."""
+"""Fractions of that step, tried in turn."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """Spectra along one parameter: what is looked at, and the spectrum at a value."""
+    """Spectra along one parameter: the window, and a function that returns the spectrum."""
 
     window: Window
     at: Callable[[float], Sample]
@@ -43,10 +43,10 @@ class Line:
 
 @dataclass(frozen=True)
 class Unresolved:
-    """An interval in which thresholds may lie that were not found.
+    """An interval that may contain thresholds that were not found.
 
-    Numbers of growing modes at its ends, of both half planes; the growing lambda of either end with
-    the least growth, None where there is none.
+    ``before`` and ``after`` are the numbers of growing modes at its ends, of both half planes;
+    ``eigenvalue`` is the lambda of least growth rate that grows at either end, None without any.
     """
 
     low: float
@@ -58,10 +58,10 @@ class Unresolved:
 
 @dataclass
 class Found:
-    """Thresholds along a line by rising value, and intervals without an answer.
+    """Thresholds along a line, sorted by value, and unresolved intervals.
 
-    Width of the widest interval that was accepted for the equal numbers of growing modes at its
-    ends alone, zero where there is none; number of spectra that were made.
+    ``resolution`` is the width of the widest interval that was accepted by the numbers of growing
+    modes at its ends alone, zero without any; ``spectra`` is the number of spectra computed.
     """
 
     thresholds: list[Threshold] = field(default_factory=list)
@@ -71,7 +71,7 @@ class Found:
 
 
 def _joined(unresolved: Sequence[Unresolved]) -> list[Unresolved]:
-    """Intervals by rising value, those that meet as one."""
+    """Return the intervals sorted by value, with adjacent ones joined."""
     joined: list[Unresolved] = []
     for each in sorted(unresolved, key=lambda each: each.low):
         if joined and joined[-1].high == each.low:
@@ -83,15 +83,15 @@ def _joined(unresolved: Sequence[Unresolved]) -> list[Unresolved]:
 
 
 def thresholds_along(line: Line, values: Sequence[float], *, logarithmic: bool = False) -> Found:
-    """All thresholds between the first and the last of two values or more.
+    """Return all thresholds between the least and the largest of two or more values.
 
-    Intervals, of the logarithms of values where it is said, are halved.
+    Intervals are halved, with ``logarithmic`` those of the logarithms of values.
     """
     return _Search(line, sorted(values), logarithmic=logarithmic).run()
 
 
 class _Search:
-    """One search, with the spectra it has made."""
+    """One search, with the spectra it has computed."""
 
     def __init__(self, line: Line, values: list[float], *, logarithmic: bool) -> None:
         self._line, self._window, self._values = line, line.window, values
@@ -101,7 +101,7 @@ class _Search:
         self._found = Found()
 
     def run(self) -> Found:
-        """Accept or halve intervals, the widest first."""
+        """Accept or halve intervals, the widest first; return the result."""
         queue: list[tuple[float, ...]] = []
 
         def push(places: Sequence[float]) -> None:
@@ -138,13 +138,13 @@ class _Search:
         return float(np.sqrt(low * high)) if self._logarithmic else (low + high) / 2
 
     def _adds_up(self) -> bool:
-        """Whether what was found explains the numbers of growing modes at both ends of the axis.
+        """Whether the result explains the numbers of growing modes at both ends of the axis.
 
-        Growth that is zero within its error up to a coalescence begins at no root.
+        It may not: growth that is zero within its error up to a coalescence has no root.
         """
-        told = sum(each.change for each in self._found.thresholds)
-        told += sum(each.after - each.before for each in self._found.unresolved)
-        return told == self._number(self._values[-1]) - self._number(self._values[0])
+        change = sum(each.change for each in self._found.thresholds)
+        change += sum(each.after - each.before for each in self._found.unresolved)
+        return change == self._number(self._values[-1]) - self._number(self._values[0])
 
     def _at(self, value: float) -> Sample:
         if value not in self._known:
@@ -153,7 +153,7 @@ class _Search:
         return self._known[value]
 
     def _growing(self, value: float) -> NDArray[np.bool_]:
-        """Eigenvalues of the window that surely grow."""
+        """Return which eigenvalues of the window grow by more than their error."""
         sample, window = self._at(value), self._window
         z, errors = sample.z, sample.errors
         if window.by_growth:
@@ -164,11 +164,11 @@ class _Search:
         return growing
 
     def _number(self, value: float) -> int:
-        """Growing eigenvalues of both half planes: of each kappa one root may grow."""
+        """Return the number of growing eigenvalues of both half planes (one per kappa)."""
         return int(self._growing(value).sum())
 
     def _undecided(self, value: float) -> bool:
-        """Whether anything vanishes within its error there."""
+        """Whether a function whose zeros are thresholds vanishes within its error at a value."""
         sample, window = self._at(value), self._window
         z, inside = sample.z, ~window.far(sample.z, 1.0)
         if window.by_growth:
@@ -182,12 +182,12 @@ class _Search:
         return bool(near[np.ix_(inside, inside)].any())
 
     def _decided_near(self, value: float, step: float) -> float:
-        """A value near another at which nothing is undecided, or the last that was tried."""
+        """Return a nearby value at which no sign is undecided, or the last that was tried."""
         places = [value + part * step for part in _MOVES]
         return next((each for each in places if not self._undecided(each)), places[-1])
 
     def _ends(self) -> list[float]:
-        """The given values, those that are undecided moved a little inwards."""
+        """Return the given values, those with undecided signs moved slightly inwards."""
         values = self._values
         steps = [*np.diff(values).tolist(), values[-2] - values[-1]]
         pairs = zip(values, steps, strict=True)
@@ -198,7 +198,7 @@ class _Search:
         return ends
 
     def _at_the_end(self, value: float, moved: float) -> None:
-        """Modes that surely grow beside an end of the axis and do not at it begin to there."""
+        """Add thresholds at an end of the axis for modes that grow beside it but not at it."""
         error, window = moved - value, self._window
         more = self._number(moved) - self._number(value)
         z = self._at(moved).z[self._growing(moved)]
@@ -223,7 +223,7 @@ class _Search:
             more -= change
 
     def _cuts(self, low: float, middle: float, high: float, at: float | None) -> list[float]:
-        """Ends of an interval, its inner sample and a place that was named: where it is cut."""
+        """Return the points at which an interval is cut: its ends, its middle sample and ``at``."""
         width, cuts = high - low, [middle]
         if at is not None and low + NEAR * width < at < high - NEAR * width:
             cuts = [at] if abs(at - middle) <= NEAR * width else [middle, at]
@@ -238,20 +238,20 @@ class _Search:
         return Unresolved(low, high, before, after, least)
 
     def _accept_by_count(self, low: float, high: float) -> None:
-        """Take a narrow interval for a threshold where the numbers at its ends differ."""
-        told = self._unresolved(low, high)
+        """Accept a narrow interval, as a threshold where the numbers at its ends differ."""
+        interval = self._unresolved(low, high)
         if self._undecided(low) or self._undecided(high):
-            self._found.unresolved.append(told)
+            self._found.unresolved.append(interval)
             return
         self._found.resolution = max(self._found.resolution, high - low)
-        if told.after != told.before:
+        if interval.after != interval.before:
             middle, half = (low + high) / 2, (high - low) / 2
-            root = told.eigenvalue or 0j
-            change = told.after - told.before
+            root = interval.eigenvalue or 0j
+            change = interval.after - interval.before
             self._found.thresholds.append(Threshold(middle, half, root, 0.0, change, "count"))
 
     def _explained(self, low: float, middle: float, high: float) -> list[Threshold]:
-        """Thresholds of an interval."""
+        """Return the thresholds of an interval; UnresolvedError if they do not explain its ends."""
         samples = [self._at(each) for each in (low, middle, high)]
         units = units_of(self._window, samples)
         at, places = self._at, (low, middle, high)

@@ -1,4 +1,4 @@
-"""The commands ``cea sweep``, ``threshold``, ``converge``: a scene along fields, or on meshes."""
+"""The commands ``cea sweep``, ``threshold`` and ``converge``."""
 
 from pathlib import Path
 from time import perf_counter
@@ -9,9 +9,9 @@ from typer import Argument, Option
 
 from comparisons.cli import options
 
-IN_PART = 3  # exit code of a command that answered in part, or did not reach the digits asked for
-_CONFIRM = 3  # thresholds of a map that are confirmed where no number is given
-_EVERY = 10_000  # more thresholds than a map has
+IN_PART = 3  # exit code for unresolved intervals, or digits that were not reached
+_CONFIRM = 3  # default number of thresholds confirmed by full solves
+_EVERY = 10_000  # confirms all thresholds: more than a sweep finds
 
 
 def sweep(
@@ -19,28 +19,29 @@ def sweep(
     axes: Annotated[
         list[str],
         Argument(
-            help="What varies: field=first:last:count, or ...:last:log:count; or how it is spread: "
+            help="Axes field=first:last:count, or ...:last:log:count, or distributions "
             "field~normal:mean:deviation, ~lognormal:median:deviation, ~uniform:low:high."
         ),
     ],
     set_: options.Settings = None,
     backend: options.OnBackend = None,
     data: options.Data = None,
-    samples: Annotated[int | None, Option(help="Samples of distributions; 2,000.")] = None,
+    samples: Annotated[int | None, Option(help="Number of samples; 2,000 by default.")] = None,
     seed: Annotated[int | None, Option(help="Seed of the samples; 0 by default.")] = None,
-    full: Annotated[bool, Option("--full", help="Solve each value in full, on no basis.")] = False,
-    tolerance: Annotated[float, Option(help="Largest relative error of lambda.")] = 1e-8,
-    solves: Annotated[int, Option(help="Most full solves of a basis.")] = 150,
-    checks: Annotated[int, Option(help="Full solves at random values that test a map.")] = 2,
-    confirm: Annotated[int, Option(help="Thresholds that full solves confirm.")] = _CONFIRM,
+    full: Annotated[bool, Option("--full", help="Solve each value in full.")] = False,
+    tolerance: Annotated[float, Option(help="Target of relative error bounds of lambda.")] = 1e-8,
+    solves: Annotated[int, Option(help="Largest number of full solves.")] = 150,
+    checks: Annotated[int, Option(help="Full solves at random values, to test bounds.")] = 2,
+    confirm: Annotated[int, Option(help="Thresholds confirmed by full solves.")] = _CONFIRM,
     redraw: options.Redraw = False,
     out: options.Out = Path("results/sweep"),
 ) -> None:
-    """Follow the modes of a scene along its fields: what grows where, and from where on.
+    """Compute the modes of a scene over its fields: which modes grow where, and thresholds.
 
     Parameters of a scene (mu and P of contacts, E, rho, damping and rotation of bodies) are swept
-    by bases of a few full solves with a bound for every value, one other field by a full solve
-    at each value. Of fields that are spread samples tell how probable it is that each mode grows.
+    by a reduced model of a few full solves, with an error bound at every value; a single other
+    field by a full solve at each value. Distributions are sampled, and the probability of growth
+    of each mode is reported.
     """
     from comparisons.sweep.page import read_sweep, write_sweep
     from comparisons.sweep.points import Axis, read_fields
@@ -55,7 +56,7 @@ def sweep(
         )
     else:
         more = None if confirm == _CONFIRM else confirm
-        options.refuse({"full": full, "confirm": more}, "for samples: they are solved on a basis")
+        options.refuse({"full": full, "confirm": more}, "for samples, solved by a reduced model")
     asked = Asked(
         scene,
         fields,
@@ -81,16 +82,16 @@ def sweep(
 
 def threshold(
     scene: options.SceneName,
-    axes: Annotated[list[str], Argument(help="Fields as in cea sweep, that of thresholds first.")],
+    axes: Annotated[list[str], Argument(help="Axes as in cea sweep; thresholds along the first.")],
     set_: options.Settings = None,
     backend: options.OnBackend = None,
     data: options.Data = None,
     out: options.Out = Path("results/threshold"),
 ) -> None:
-    """Find where modes begin and cease to grow along a field, each confirmed by a full solve.
+    """Find where modes begin and cease to grow along a field, each confirmed by full solves.
 
-    Every change of the number of growing modes is explained by a threshold, or its interval is
-    reported as unresolved: the exit code is 3 then.
+    Every change of the number of growing modes is explained by a threshold. Otherwise its interval
+    is reported as unresolved, and the exit code is 3.
     """
     from comparisons.sweep.points import read_axis
     from comparisons.sweep.study import Asked
@@ -102,7 +103,7 @@ def threshold(
 
 
 def _sweep(asked: Any, out: Path) -> None:
-    """Make a sweep and tell of it."""
+    """Run a sweep, print its result and write its page."""
     from comparisons.cli.output import print_frame, print_warnings, working
     from comparisons.study.sections import Table
     from comparisons.sweep import tables
@@ -133,20 +134,20 @@ def _sweep(asked: Any, out: Path) -> None:
 def converge(
     scene: options.SceneName,
     digits: Annotated[int, Option(help="Significant digits of frequencies.")] = 3,
-    growth_digits: Annotated[int | None, Option(help="Of growth rates; one less.")] = None,
-    backend: Annotated[
-        Literal["both", "fe", "iga"], Option(help="Backends that are refined.")
-    ] = "both",
-    budget: Annotated[float, Option(help="Seconds that all of it may take.")] = 900.0,
+    growth_digits: Annotated[
+        int | None, Option(help="Digits of growth rates; one less by default.")
+    ] = None,
+    backend: Annotated[Literal["both", "fe", "iga"], Option(help="Backends to refine.")] = "both",
+    budget: Annotated[float, Option(help="Limit of the run time (s).")] = 900.0,
     unstable: Annotated[
-        bool, Option("--unstable", help="Only modes not known to be stable count.")
+        bool, Option("--unstable", help="Ignore modes known to be stable.")
     ] = False,
-    sweep_digits: Annotated[int, Option(help="Digits of the mesh for sweeps.")] = 2,
+    sweep_digits: Annotated[int, Option(help="Digits of the mesh proposed for sweeps.")] = 2,
     set_: options.Settings = None,
     redraw: options.Redraw = False,
     out: options.Out = Path("results/converge"),
 ) -> None:
-    """Refine a scene until its modes hold the digits asked for, and tell their error bars."""
+    """Refine a scene until its modes reach the requested digits, and report their error bars."""
     begun = perf_counter()
     from comparisons.cli.output import console, print_frame, print_warnings, say, working
     from comparisons.converge.page import LEVELS, MODES, read_converge, write_converge

@@ -1,4 +1,4 @@
-"""What a sweep leaves behind: sweep.nc, tables, pictures, the page that holds them, the record."""
+"""Output of a sweep: the record, sweep.nc, tables, pictures, and the page with them."""
 
 from pathlib import Path
 
@@ -21,7 +21,7 @@ FILE = "sweep.nc"
 
 
 def write_sweep(made: Swept, out: Path) -> Path:
-    """Write a sweep to a folder, on rank 0; the page to open."""
+    """Write a sweep to a folder, on rank 0; return the path of the page."""
     if MPI.COMM_WORLD.rank:
         return out / REPORT
     out.mkdir(parents=True, exist_ok=True)
@@ -35,7 +35,7 @@ def write_sweep(made: Swept, out: Path) -> Path:
 
 
 def read_sweep(out: Path) -> Swept:
-    """A sweep that was written; refused where the folder holds none."""
+    """Read a sweep from a folder; InputError when it holds none."""
     data = read_result(out, COMMAND)
     grid, told = "axes" in data, data.get("axes") or data["fields"]
     names = tuple(each["name"] for each in told)
@@ -49,7 +49,7 @@ def read_sweep(out: Path) -> Swept:
 
 
 def line_figure(made: Swept) -> Figure:
-    """Growth and frequency of all modes along an axis, unstable ones in colour."""
+    """Draw growth rates and frequencies of all modes along an axis, unstable ones in colour."""
     data, points, spectra = made.record, made.points, made.spectra
     figure = Figure(figsize=(7.2, 6.4), layout="constrained")
     growth, frequency = figure.subplots(2, 1, sharex=True)
@@ -80,7 +80,7 @@ line_figure.__name__ = "sweep"
 
 
 def map_figure(made: Swept) -> Figure:
-    """Largest growth over the first two axes.
+    """Draw the largest growth rate over the first two axes.
 
     White: no growth above the threshold. Dots: growth begins; crosses: it ends. Hatched: a mode
     grows just above the window. Grey crosses: not certified.
@@ -123,7 +123,7 @@ map_figure.__name__ = "map"
 
 
 def _growth_over_fields(made: Swept) -> pd.DataFrame:
-    """Largest growth of each sample, zero where nothing grows, at its value of each field."""
+    """Return the largest growth rate of each sample (zero if stable) and its values of fields."""
     frame = pd.DataFrame(made.points.values, columns=list(made.points.names))
     grown = frame.assign(growth=np.nan_to_num(made.spectra.largest))
     return grown.melt("growth", var_name="field", value_name="value")
@@ -131,7 +131,7 @@ def _growth_over_fields(made: Swept) -> pd.DataFrame:
 
 SAMPLES = Plot(
     "sweep",
-    "Largest growth rate of an unstable mode over each field that is spread.",
+    "Largest growth rate of an unstable mode over each random field.",
     _growth_over_fields,
     x="value",
     y="growth",

@@ -15,24 +15,24 @@ from cea.errors import InputError, require
 from scenes.spec.consistency import LARGEST, SMALLEST
 
 _MOST = 10_000
-"""Values of an axis."""
+"""Largest number of values of an axis."""
 _AXIS = "name=first:last:count, or name=first:last:log:count"
 _DECADES = 2.0
 """Decades of a field that a box spans at most, unless two neighbouring values are farther apart."""
 _TRAINING = 5
-"""Values of an axis at which bounds are looked at while a basis is made."""
+"""Number of training points along an axis, at which bounds are evaluated to enrich the basis."""
 _SAMPLES = 48
-"""Samples at which they are, beside those at the ends of fields."""
+"""Number of training points among samples, besides those with the extreme values of fields."""
 Kind = Literal["normal", "uniform", "lognormal"]
 _DISTRIBUTION = (
-    "name~normal:mean:deviation, name~lognormal:median:deviation of the logarithm, with :low:high "
-    "behind them to cut them off, or name~uniform:low:high"
+    "name~normal:mean:deviation, name~lognormal:median:deviation of the logarithm, either followed "
+    "by :low:high to truncate it, or name~uniform:low:high"
 )
 
 
 @dataclass(frozen=True)
 class Axis:
-    """Values of one field, named as it was given: evenly spaced, or in their logarithm."""
+    """Values of one field, spaced evenly or logarithmically; the name is that given by the user."""
 
     name: str
     first: float
@@ -49,22 +49,22 @@ class Axis:
 
     @property
     def values(self) -> list[float]:
-        """The values."""
+        """The values of the axis."""
         spaced = np.geomspace if self.logarithmic else np.linspace
         return spaced(self.first, self.last, self.count).tolist()
 
     def plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """Return the axis as plain data."""
         told = asdict(self)
         return told | {"log": told.pop("logarithmic")}
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """How a field is spread, cut off at ``low`` and ``high``.
+    """Distribution of a field, truncated at ``low`` and ``high``.
 
-    ``first`` and ``second`` are mean and standard deviation; least and greatest value of a uniform
-    one; median, and standard deviation of the logarithm.
+    ``first`` and ``second`` are mean and standard deviation (normal), least and greatest value
+    (uniform), or median and standard deviation of the logarithm (lognormal).
     """
 
     name: str
@@ -86,10 +86,7 @@ class Distribution:
         self.drawn(np.empty(0), self.low)
 
     def drawn(self, probability: Floats, least: float) -> tuple[Floats, float]:
-        """Values below which probabilities are given, none less than ``least``.
-
-        And the share that this cuts off.
-        """
+        """Return quantiles of the distribution truncated at ``least``, and the fraction cut off."""
         from scipy.stats import lognorm, norm, uniform
 
         low, law = max(self.low, least), norm(self.first, self.second)
@@ -103,20 +100,20 @@ class Distribution:
         return values, (below - before) / (above - before)
 
     def plain(self) -> dict[str, Any]:
-        """As plain data; ends that cut nothing off are left out."""
+        """Return the distribution as plain data, without infinite ends."""
         return {name: each for name, each in asdict(self).items() if each not in (-np.inf, np.inf)}
 
 
 Field = Axis | Distribution
-"""A field that varies."""
+"""A field that varies in a sweep."""
 
 
 @dataclass(frozen=True)
 class Points:
-    """A table of points, of shape (points, fields).
+    """A table of points; ``values`` has the shape (points, fields).
 
-    Values of the axes, whose last is the fastest, none of samples; whether the first axis is evenly
-    spaced in its logarithm; the share of each distribution that was cut off.
+    ``axes`` are the values of the axes, the last varying fastest, empty for samples. The first axis
+    may be ``logarithmic``; ``cut`` is the fraction of each distribution that was cut off.
     """
 
     names: tuple[str, ...]
@@ -127,7 +124,7 @@ class Points:
 
     @classmethod
     def of_axes(cls, names: tuple[str, ...], axes: Sequence[Floats], *, log: bool) -> "Points":
-        """All points of a grid."""
+        """Return all points of a grid."""
         grid = np.meshgrid(*axes, indexing="ij")
         return cls(names, np.stack([each.ravel() for each in grid], axis=1), tuple(axes), log)
 
@@ -138,7 +135,7 @@ class Points:
 
     @property
     def parts(self) -> Ints:
-        """Numbers of points solved together, a line or a sample, shape (parts, values)."""
+        """Indices of points solved together, a line or a single sample, shape (parts, values)."""
         count = self.counts[0] if self.axes else 1
         return np.arange(len(self.values)).reshape(count, -1).T
 
@@ -198,9 +195,9 @@ def _stretches(values: Floats) -> list[Ints]:
 
 
 def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: int) -> Points:
-    """All points of a grid of axes, or samples drawn independently of each other.
+    """Return all points of a grid of axes, or independent samples of distributions.
 
-    ``least`` is the least value that each field may have; equal seeds (PCG64) draw equal samples.
+    ``least`` are the least allowed values of the fields; equal seeds (PCG64) draw equal samples.
     """
     names = tuple(each.name for each in fields)
     axes = [each for each in fields if isinstance(each, Axis)]
@@ -216,7 +213,7 @@ def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: 
 
 
 def read_axis(text: str) -> Axis:
-    """An axis from its text; InputError when it is none."""
+    """Read an axis from its text; InputError when it is none."""
     name, equals, rest = text.partition("=")
     parts = rest.split(":")
     logarithmic = len(parts) == 4 and parts[2] == "log"
@@ -230,7 +227,7 @@ def read_axis(text: str) -> Axis:
 
 
 def read_distribution(text: str) -> Distribution:
-    """A distribution from its text; InputError when it is none."""
+    """Read a distribution from its text; InputError when it is none."""
     name, tilde, rest = text.partition("~")
     kind, *parts = rest.split(":")
     counts = (2,) if kind == "uniform" else (2, 4)
@@ -244,7 +241,7 @@ def read_distribution(text: str) -> Distribution:
 
 
 def read_fields(texts: Sequence[str]) -> tuple[Field, ...]:
-    """Axes or distributions from their texts; InputError when there are both."""
+    """Read axes or distributions from their texts; InputError when there are both."""
     spread = ["~" in text and "=" not in text.partition("~")[0] for text in texts]
     if any(spread) and not all(spread):
         other = texts[spread.index(False)]
@@ -254,7 +251,7 @@ def read_fields(texts: Sequence[str]) -> tuple[Field, ...]:
 
 
 def _check_end(name: str, value: float, *, positive: bool) -> None:
-    """Refuse an end of what varies that no field of a scene may have."""
+    """Raise InputError for a value that no field of a scene may have."""
     require(abs(value) <= LARGEST, name, value, f"a finite number of at most {LARGEST:g}")
     large = not positive or value >= SMALLEST
     require(large, name, value, f"positive, at least {SMALLEST:g}")

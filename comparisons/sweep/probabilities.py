@@ -1,8 +1,8 @@
-"""How probable growth is by samples, with what the samples leave open.
+"""Probability of growth from samples, some of which may be undecided.
 
-Of n samples k surely grow and u more are undecided. The interval of 95 per cent reaches from the
-lower end of that of k to the upper end of that of k + u (E. B. Wilson, Probable inference, the law
-of succession, and statistical inference, J. Amer. Statist. Assoc. 22 (1927)).
+Of n samples k are certain to grow and u more are undecided. The 95 per cent confidence interval
+extends from the lower end of that of k to the upper end of that of k + u (E. B. Wilson, Probable
+inference, the law of succession, and statistical inference, J. Amer. Statist. Assoc. 22 (1927)).
 """
 
 from typing import Any
@@ -19,17 +19,17 @@ from comparisons.sweep.spectra import Spectra
 Flags = NDArray[np.bool_]
 _QUANTILES = (0.05, 0.5, 0.95)
 _NEAR = 0.05
-"""Distance, relative to a speed, that counts as much as another vector."""
+"""Relative distance of eigenvalues that costs as much as orthogonal eigenvectors."""
 _LIKE = 0.5
-"""Least squared cosine, less the distance, of modes that are one."""
+"""Largest cost of a match above 1; the cost is 1 - squared cosine + distance / _NEAR."""
 _FOLLOWED = 0.1
-"""Part of the samples whose growing modes may be unknown for single modes to have rows."""
+"""Fraction of samples with unmatched growing modes from which on single modes have no rows."""
 
 
 def continued(middle: ReducedSpectrum, found: ReducedSpectrum) -> Ints:
-    """Numbers of the modes of another spectrum that modes are by shape and eigenvalue, -1 of none.
+    """Return, for each mode of ``found``, the index of its match in ``middle``; -1 without one.
 
-    Vectors of two that coalesce become one: the space of both is compared.
+    Modes are matched by shape and eigenvalue.
     """
     numbers = np.full(len(found), -1, dtype=np.int64)
     if not (len(middle) and len(found)):
@@ -44,9 +44,9 @@ def continued(middle: ReducedSpectrum, found: ReducedSpectrum) -> Ints:
 
 
 def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple[Flags, Flags]:
-    """Which modes grow, surely and perhaps, shape (points, modes).
+    """Return which modes are certain to grow, and which may grow, shape (points, modes).
 
-    Of two that coalesced without damping, one growing as the other decays, both do.
+    After an undamped coalescence both modes of the pair count as growing.
     """
     values = np.where(spectra.there, spectra.growth + 2j * np.pi * spectra.frequency, 0.0)
     limits = thresholds(values.ravel(), threshold).reshape(values.shape)
@@ -56,7 +56,10 @@ def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple
 
 
 def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]:
-    """What samples say of growth, sure or perhaps, with rates (1/s), each of shape (n,)."""
+    """Return the statistics of growth over samples; all arrays have the shape (n,).
+
+    ``grows`` and ``may_grow`` mark growing samples, ``growth`` are their growth rates (1/s).
+    """
     from scipy.stats import binomtest
 
     n, sure = len(grows), int(grows.sum())
@@ -76,7 +79,7 @@ def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]
 
 
 def probabilities(spectra: Spectra, threshold: float | None, *, damped: bool) -> dict[str, Any]:
-    """What all samples say of growth, and of that of each mode where nearly all are followed."""
+    """Return the statistics of growth over all samples, and of each mode where most are matched."""
     grows, may_grow = growing(spectra, threshold, damped=damped)
     rates = np.abs(np.where(grows, spectra.growth, 0.0))
     unknown = int((may_grow & (spectra.number < 0)).any(axis=1).sum())

@@ -1,4 +1,4 @@
-"""The record of a sweep: what it came to and how sure it is, without its modes."""
+"""The record of a sweep: thresholds, certificates and warnings, without the modes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -18,15 +18,15 @@ from comparisons.sweep.spectra import UNSTABLE, Spectra
 from scenes import Result
 
 _NAMED = 100
-"""Points without a certificate that are named."""
+"""Largest number of uncertified points whose indices are recorded."""
 FoundAlong = tuple[dict[str, float], Found]
-"""Values of the other fields along a line of the first, and what was found along it."""
+"""Values of the other fields on a line of the first field, and thresholds along the line."""
 
 
 def record_of(
     scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], bases: Sequence[Enrichment]
 ) -> dict[str, Any]:
-    """Record of a sweep on bases, its thresholds not yet confirmed."""
+    """Return the record of a sweep on bases, its thresholds not yet confirmed."""
     bound, tolerance = spectra.bound, bases[0].tolerance
     left = np.flatnonzero(bound > tolerance)
     # Full solves at the border of two boxes serve both.
@@ -52,7 +52,7 @@ def record_of_full(
     failed: Sequence[Mapping[str, Any]],
     why: str,
 ) -> dict[str, Any]:
-    """Record of a sweep that was solved in full at each point."""
+    """Return the record of a sweep with a full solve at each point; ``why`` states the reason."""
     growths = [float(each.modes.window.max_growth) for each in results if each is not None]
     finite = [each for each in growths if np.isfinite(each)]
     lines = [_between_points(scene.points, spectra, line) for line in scene.points.parts]
@@ -67,7 +67,7 @@ def _common(
     failed: Sequence[Mapping[str, Any]],
     growths: Sequence[float | None],
 ) -> dict[str, Any]:
-    """What the points are, what grows where, and what gave no answer."""
+    """Return the entries common to both records: fields, thresholds, failed solves."""
     points = scene.points
     above = np.flatnonzero(np.isfinite(spectra.above_growth))
     fields = [
@@ -99,7 +99,7 @@ def _common(
 
 
 def _between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
-    """Thresholds between points solved in full: only numbers of unstable modes are known."""
+    """Return thresholds between full solves, by differences of the number of unstable modes."""
     found, unstable = Found(), (spectra.verdict == UNSTABLE).sum(axis=1)
     answered = line[np.isfinite(spectra.worst[line])]
     for low, high in pairwise(answered[np.argsort(points.values[answered, 0])].tolist()):
@@ -115,7 +115,7 @@ def _between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
 
 
 def _plain(found: Threshold | Unresolved) -> dict[str, Any]:
-    """A threshold or an unresolved interval as plain data; lambda as re and im (1/s)."""
+    """Return a threshold or an unresolved interval as plain data; lambda as re and im (1/s)."""
     told = asdict(found)
     root = told.pop("eigenvalue")
     both = (None, None) if root is None else (float(root.real), float(root.imag))
@@ -125,52 +125,52 @@ def _plain(found: Threshold | Unresolved) -> dict[str, Any]:
 def warnings_of(
     data: Mapping[str, Any], tolerance: float, solves: Sequence[Run]
 ) -> list[dict[str, Any]]:
-    """What a sweep must be read with, and what its full solves warn of."""
+    """Return the warnings of a sweep and of its full solves."""
     told: list[tuple[str, str]] = []
     what = "full solves"
     if "why" in data:
         what = f"values of {', '.join(axis['name'] for axis in data['axes'])}"
     elif left := data["values"] - data["certified"]:
         message = (
-            f"{left} of {data['values']} values are not certified to {tolerance:g}, the first of "
-            f"them numbers {', '.join(map(str, data['not_certified'][:10]))}: their bounds say how "
-            "far they may be off"
+            f"{left} of {data['values']} values are not certified to {tolerance:g}, the first with "
+            f"numbers {', '.join(map(str, data['not_certified'][:10]))}: see their error bounds, "
+            "or allow more full solves"
         )
         if data["lost_to_rounding"]:
             message += (
-                f"; {data['lost_to_rounding']} by rounding of the reduced matrices, against which "
-                "no larger basis helps: full solves are not subject to it"
+                f"; {data['lost_to_rounding']} owing to rounding of the reduced matrices, which no "
+                "larger basis reduces: use full solves"
             )
         told.append(("not-certified", message))
     if data["failed"]:
-        told.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
+        told.append(("no-answer", f"{len(data['failed'])} full solves failed"))
     if number := len(data["unresolved"]):
         message = f"{number} intervals are unresolved: thresholds may be missing there"
         told.append(("unresolved", message))
     if above := data["above"]:
         at = ", ".join(f"{name} = {value:.5g}" for name, value in above["point"].items())
         message = (
-            f"a mode at {above['frequency']:.6g} Hz grows by {above['growth']:.5g} 1/s at {at}: "
-            f"above max_frequency = {data['max_frequency']:g} Hz; raise it"
+            f"a mode at {above['frequency']:.6g} Hz has the growth rate {above['growth']:.5g} 1/s "
+            f"at {at}, above max_frequency = {data['max_frequency']:g} Hz; raise max_frequency"
         )
         told.append(("above-window", message))
     for each in data.get("fields", ()):
         if each["cut"]:
             message = (
-                f"{100 * each['cut']:.3g} % of the distribution of {each['name']} are values that "
-                "it may not have: they are cut off"
+                f"{100 * each['cut']:.3g} % of the distribution of {each['name']} are not allowed "
+                "as its values: the distribution is truncated"
             )
             told.append(("cut-off", message))
     if undecided := data.get("any", {}).get("undecided"):
         message = (
-            f"of {undecided} samples it is not decided whether they grow: intervals reach as far "
-            "as they would with and without these"
+            f"{undecided} samples are undecided: the confidence intervals cover both cases, that "
+            "all of these grow and that none does"
         )
         told.append(("undecided", message))
     if unknown := data.get("not_followed"):
         message = (
-            f"modes of {unknown} samples that grow, or may, could not be told to be one of those "
-            "in the middle: single modes have no rows where these are a tenth or more"
+            f"in {unknown} samples a mode that grows, or may grow, could not be matched with one "
+            "of the middle sample; single modes have no rows if these are a tenth or more"
         )
         told.append(("not-followed", message))
     own = [{"kind": kind, "message": message, "data": {}} for kind, message in told]

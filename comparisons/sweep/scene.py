@@ -1,4 +1,4 @@
-"""What is swept: a scene whose pencil is solved at points, or that is run in full at each."""
+"""Scene of a sweep, whose pencil is solved at points, or which is run in full at each point."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
@@ -28,20 +28,20 @@ from scenes.spec.plain import is_of_matrices
 from scenes.spec.reading import ComplexEigenvalueAnalysis, load_scene
 
 Assembled = AssembledScene | AssembledMatrices
-"""A scene that is solved at changed fields."""
+"""An assembled scene, solved with changed fields."""
 
 
 class NoMapError(InputError):
-    """A scene without a reduced model over some fields; it may be solved in full at each point."""
+    """A scene has no reduced model over some fields; full solves at each point may be possible."""
 
 
 @dataclass(frozen=True)
 class SweptScene:
     """A scene that is solved at points.
 
-    ``names`` are the parameters of its pencil that each field means, and the factor of each on its
-    values: P of a contact has one where the field is p. Of a scene that is solved in full they may
-    be fields that are no parameters.
+    ``names`` maps, for each field, the parameters of the pencil that it sets to factors on its
+    values; a factor differs from one where the field p of a contact sets its P. For full solves the
+    names may be fields that are not parameters.
     """
 
     assembled: Assembled
@@ -50,34 +50,34 @@ class SweptScene:
 
     @property
     def window(self) -> ComplexEigenvalueAnalysis:
-        """The modes that are wanted."""
+        """Analysis that defines the window of modes."""
         return self.assembled.scene.window
 
     @property
     def driver(self) -> EigenSolver:
-        """What solves its pencil."""
+        """Eigenvalue driver of the pencil."""
         return self.assembled.driver
 
     @property
     def pencil(self) -> Pencil:
-        """The pencil."""
+        """The parametric pencil."""
         return self.driver.pencil
 
     def point(self, values: Sequence[float]) -> dict[str, float]:
-        """Parameters at a value of each field."""
+        """Return the parameters at given values of the fields."""
         pairs = zip(values, self.names, strict=True)
         return {
             name: factor * float(value) for value, names in pairs for name, factor in names.items()
         }
 
     def warnings(self, modes: Modes, at: Mapping[str, float]) -> tuple[ResultWarning, ...]:
-        """What modes must be read with at some parameters."""
+        """Return the warnings about modes at given parameters."""
         if isinstance(self.assembled, AssembledMatrices):
             return modes.warnings
         return self.assembled.warnings(modes, self.window.max_frequency, at)
 
     def run(self, values: Sequence[float]) -> Result:
-        """Modes at a value of each field, a state of steady sliding sought anew."""
+        """Return the modes at given values of the fields, with a new state of steady sliding."""
         changed = self.point(values)
         known = set(changed) <= set(self.pencil.parameters)
         if isinstance(self.assembled, AssembledScene) and known:
@@ -92,11 +92,11 @@ def mapped(
     data: str | None = None,
     samples: tuple[int, int] = (0, 0),
 ) -> SweptScene:
-    """Assemble a scene with forces of its contacts as unknowns.
+    """Assemble a scene for a reduced model, with contact forces as unknowns.
 
-    ``samples`` are the number of samples of distributions and their seed. NoMapError is raised when
-    a field is no parameter of the pencil, or the pencil is not that of all points, or has no
-    reduced model; InputError when the scene is refused, or a value.
+    ``samples`` are the number of samples of distributions and their seed. NoMapError when a field
+    is not a parameter of the pencil, or the pencil changes with it in another way (steady sliding,
+    modal damping); InputError when the scene or a value is not allowed.
     """
     assembled, contacts, bonded = _assembled(scene, overrides, data, saddle=True)
     pencil, names, least = assembled.driver.pencil, list[Mapping[str, float]](), list[float]()
@@ -110,14 +110,14 @@ def mapped(
         signed, positive = all(e.signed for e in meant), any(e.positive for e in meant)
         least.append(-np.inf if signed else np.finfo(float).tiny if positive else 0.0)
         if isinstance(assembled, AssembledScene) and assembled.depends_on_state(list(names[-1])):
-            allowed = "no parameter that moves a state of steady sliding"
+            allowed = "a parameter on which the state of steady sliding does not depend"
             raise NoMapError("axis", field.name, allowed)
     no_two_alike(names, [field.name for field in fields])
     found = SweptScene(assembled, table_of(fields, least, *samples), tuple(names))
     for values in (found.point(each) for each in zip(*found.points.ends, strict=True)):
         for name, value in values.items():
             parameter = pencil.parameter(name)
-            # Modes that are damped one by one may be others there.
+            # Modal damping was computed at the value of a fixed parameter.
             with _without_map() if parameter.fixed else nullcontext():
                 parameter.check(value)
     return found
@@ -126,7 +126,7 @@ def mapped(
 def in_full(
     scene: str | Path, fields: Sequence[Field], overrides: Sequence[str], data: str | None
 ) -> SweptScene:
-    """Assemble a scene to be run at each point of some axes."""
+    """Assemble a scene for full solves at each point of axes."""
     assembled, contacts, bonded = _assembled(scene, overrides, data, saddle=False)
     points, names = table_of(fields, [-np.inf] * len(fields), 0, 0), list[Mapping[str, float]]()
     for name in points.names:
@@ -141,7 +141,7 @@ def in_full(
 def _assembled(
     scene: str | Path, overrides: Sequence[str], data: str | None, *, saddle: bool
 ) -> tuple[Assembled, Mapping[str, ContactSpec], Sequence[str]]:
-    """A scene, its contacts, and those of them that cannot slide."""
+    """Return an assembled scene, its contacts, and the names of bonded ones."""
     if is_of_matrices(scene):
         return AssembledMatrices(load_matrices(scene, list(overrides), data)), {}, ()
     require(data is None, "data", data, "left out: a scene of bodies reads no matrices")
@@ -152,7 +152,7 @@ def _assembled(
 
 @contextmanager
 def _without_map() -> Iterator[None]:
-    """Refusals that leave full solves."""
+    """Turn an InputError inside the context into a NoMapError."""
     try:
         yield
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Modes at all points of a sweep: arrays, and the netCDF file that holds them."""
+"""Modes at all points of a sweep: arrays, and their netCDF file."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -16,21 +16,21 @@ from comparisons.sweep.points import Points
 from scenes import Result
 
 UNSTABLE = WORDS.index("unstable")
-"""The word as a number: its place in :data:`cea.eigen.classify.WORDS`."""
+"""Index of the class in :data:`cea.eigen.classify.WORDS`."""
 HINT = 1.05
-"""Frequency, relative to the window's end, up to which growing modes above it are told."""
+"""Frequency relative to the end of the window up to which growing modes above it are reported."""
 ENGINE = "h5netcdf"
-"""What reads and writes netCDF files."""
+"""Engine of xarray for netCDF files."""
 
 
 @dataclass(frozen=True)
 class Spectra:
-    """Modes at points, by rising frequency; NaN and -1 where there are fewer.
+    """Modes at points, sorted by frequency; missing entries are NaN or -1.
 
-    What is known of modes has the shape (points, modes), and one more axis, of the fields, where it
-    is a derivative. Words are told by their places in :data:`cea.eigen.classify.WORDS`. ``worst``
-    is zero where the pencil itself was solved and NaN where that gave no answer; what grows above
-    the window is NaN where nothing does.
+    Arrays of modes have the shape (points, modes), derivatives (points, modes, fields). ``verdict``
+    holds indices in :data:`cea.eigen.classify.WORDS`. ``worst`` is zero for full solves, and NaN
+    where one failed; ``above_growth`` and ``above_frequency`` are NaN where no mode grows above the
+    window.
     """
 
     growth: Annotated[Floats, "1/s", "growth rate"]
@@ -47,24 +47,24 @@ class Spectra:
 
     @property
     def there(self) -> NDArray[np.bool_]:
-        """Where there are modes, shape (points, modes)."""
+        """Mask of the entries that hold a mode, shape (points, modes)."""
         return np.isfinite(self.growth)
 
     @property
     def bound(self) -> Floats:
-        """Bound on the worst mean, with what rounding makes, relative to its speed."""
+        """Largest relative error bound of a cluster's mean at each point, rounding included."""
         return np.fmax.reduce(np.column_stack([self.worst, self.mean_error]), axis=1)
 
     @property
     def largest(self) -> Floats:
-        """Largest growth rate of an unstable mode at each point (1/s); NaN where none is."""
+        """Largest growth rate of an unstable mode at each point (1/s); NaN without any."""
         growing = np.where(self.verdict == UNSTABLE, self.growth, -np.inf)
         growth = growing.max(axis=1, initial=-np.inf)
         return np.where(np.isfinite(growth), growth, np.nan)
 
     @classmethod
     def of_rows(cls, rows: Sequence[Mapping[str, Any]]) -> "Spectra":
-        """Of points one by one."""
+        """Return the arrays of all points from the rows of single points."""
         most = max(1, *(len(row["growth"]) for row in rows))
         names = [each.name for each in fields(cls)]
         return cls(**{name: np.stack([_padded(row[name], most) for row in rows]) for name in names})
@@ -73,7 +73,7 @@ class Spectra:
 def row_of_model(
     found: ReducedSpectrum, slopes: Complexes, numbers: Ints, threshold: float | None
 ) -> dict[str, Any]:
-    """A point on a reduced model, with derivatives in the window, shape (modes, fields)."""
+    """Return the row of a point of a reduced model; ``slopes`` have the shape (modes, fields)."""
     words, window, end = found.words(threshold), found.window, found.looked_at.end
     above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
     above &= np.isin(words, GROWING)
@@ -85,7 +85,7 @@ def row_of_model(
 
 
 def row_of_result(result: Result | None, count: int) -> dict[str, Any]:
-    """A point solved in full, None where that gave no answer, over so many fields."""
+    """Return the row of a full solve (None: it failed) with the given number of fields."""
     if result is None:
         nothing: Complexes = np.empty(0, dtype=complex)
         row = _row(nothing, nothing.real, [], nothing) | {"worst": np.nan}
@@ -103,7 +103,7 @@ def row_of_result(result: Result | None, count: int) -> dict[str, Any]:
 def _row(
     values: Complexes, uncertainty: Floats, words: Sequence[Word], above: Complexes
 ) -> dict[str, Any]:
-    """What is known at one point: its modes, and what grows above the window."""
+    """Return the row of one point: its modes, and the fastest growing one above the window."""
     fastest = above[above.real.argmax()] if len(above) else np.nan + 1j * np.nan
     return {
         "growth": values.real,
@@ -116,7 +116,7 @@ def _row(
 
 
 def _padded(known: Any, count: int) -> NDArray[Any]:
-    """What is known at a point of it, or of its modes, with gaps for those that are not there."""
+    """Return a scalar of a point, or an array of its modes padded to ``count`` with NaN or -1."""
     array = np.asarray(known)
     if array.ndim == 0:
         return array
@@ -126,9 +126,9 @@ def _padded(known: Any, count: int) -> NDArray[Any]:
 
 
 def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
-    """All modes as one netCDF file, whole or not at all.
+    """Write all modes to one netCDF file, which is replaced atomically.
 
-    Axes are dimensions; of samples there is one of that name, and fields are variables.
+    Axes are dimensions; samples have one dimension "sample", and their fields are variables.
     """
     import xarray
 
@@ -158,7 +158,7 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
 
 
 def read_netcdf(names: Sequence[str], file: Path, *, grid: bool) -> tuple[list[Floats], Spectra]:
-    """Values of axes, or what was drawn of fields, and modes that were written."""
+    """Read the values of axes, or drawn values of fields, and the modes."""
     import xarray
 
     with xarray.open_dataset(file, engine=ENGINE) as opened:

@@ -1,7 +1,7 @@
-"""Full solves and finished lines of a sweep, on disk: an interrupted sweep goes on from there.
+"""Storage of full solves and finished lines of a sweep, from which an interrupted one resumes.
 
-The folder has the name of that of the result and the ending ``.unfinished``. It holds every full
-solve, a file for each rank, of which the basis is rebuilt, and every finished line of points.
+The folder is named like that of the result with the ending ``.unfinished``. It holds every full
+solve (a file for each rank), from which the basis is rebuilt, and every finished line of points.
 """
 
 import json
@@ -23,7 +23,7 @@ _ABOUT = "sweep.json"
 
 
 class Store:
-    """The folder of an unfinished sweep; that of another one than ``about`` says is emptied."""
+    """The folder of an unfinished sweep; it is emptied if it belongs to another ``about``."""
 
     def __init__(self, out: Path, about: Mapping[str, Any], comm: Any) -> None:
         self.folder = out.with_name(out.name + ".unfinished")
@@ -40,21 +40,21 @@ class Store:
         self._count = self.stored
 
     def keep(self, name: str, made: Any) -> None:
-        """Store what this rank made under a name."""
+        """Store an object of this rank under a name."""
         write_whole(pickle.dumps(made), self._file(name))
 
     def kept(self, name: str) -> Any:
-        """What this rank stored under a name; None where there is nothing."""
+        """Return the object that this rank stored under a name; None without any."""
         file = self._file(name)
         return pickle.loads(file.read_bytes()) if file.is_file() else None
 
     def keep_solve(self, solve: Snapshot) -> None:
-        """Store a full solve; it counts once every rank has written."""
+        """Store a full solve; it is complete once every rank has written it."""
         self.keep(_solve(self._count), solve)
         self._count += 1
 
     def solves(self) -> Iterator[Snapshot]:
-        """Full solves that were stored, in their order."""
+        """Yield the stored full solves in their order."""
         for number in range(self.stored):
             yield self.kept(_solve(number))
 
@@ -73,9 +73,9 @@ def _solve(number: int) -> str:
 
 
 def fingerprint(scene: SweptScene) -> list[str]:
-    """What a sweep rests on, the same on every rank: its scene, and norms of its matrices.
+    """Return data that identify a sweep, the same on every rank: scene and norms of matrices.
 
-    A mesh or a matrix may change in its file, under the same name.
+    The norms detect a mesh or a matrix whose file has changed.
     """
     pencil = scene.pencil
     matrices = [term.matrix for term in pencil.terms]

@@ -1,4 +1,4 @@
-"""A sweep: modes of a scene at a table of points, by bases of few full solves or in full."""
+"""A sweep: modes of a scene at a table of points, by a reduced model or by full solves."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -33,22 +33,24 @@ from scenes.running.assembled import AssembledScene
 
 COMMAND = "sweep"
 _AT_FIRST = 0.5
-"""Bound, relative to the tolerance, of a basis where it is made: elsewhere it is larger."""
+"""Target of error bounds at the training points relative to the tolerance; elsewhere they are
+larger."""
 _AT_ONCE = 64
-"""Points without a certificate, the worst, that a basis takes in before all are looked at again."""
+"""Largest number of uncertified points, the worst, for which a basis is enriched at a time."""
 _MOST_SAMPLES = 1_000_000
 _Part = tuple[FoundAlong | None, list[dict[str, Any]]]
-"""Thresholds of a part that is a line, and what is known at each of its points."""
+"""Thresholds of a part that is a line, and rows of :class:`Spectra` of its points."""
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is swept, and how well.
+    """Options of a sweep.
 
-    Axes, along whose first one thresholds are sought, or distributions with their number of samples
-    and seed; a point is certified up to ``tolerance``, an error of lambda relative to its speed; at
-    most so many full solves make a basis, ``checks`` at random points test them, and ``confirm``
-    thresholds are solved in full. With ``full`` each point is.
+    ``fields`` are axes, along the first of which thresholds are computed, or distributions with the
+    number of ``samples`` and a ``seed``. A point is certified if its relative error bound of lambda
+    is at most ``tolerance``. ``most`` is the largest number of full solves of a basis, ``checks``
+    that of full solves at random points that test it, and ``confirm`` the number of thresholds
+    confirmed by full solves. With ``full`` every point is solved in full.
     """
 
     scene: str | Path
@@ -73,7 +75,7 @@ class Asked:
         require(self.most >= 2, "solves", self.most, "2 or more")
         require(self.checks >= 0, "checks", self.checks, "0 or more")
         require(self.confirm >= 0, "confirm", self.confirm, "0 or more")
-        on_basis = "left out for samples: they are solved on a basis"
+        on_basis = "left out for samples, which are solved by a reduced model"
         require(self.grid or not self.full, "full", True, on_basis)
 
     @property
@@ -82,7 +84,7 @@ class Asked:
         return isinstance(self.fields[0], Axis)
 
     def plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """Return the options as plain data."""
         fields = [each.plain() for each in self.fields]
         told: dict[str, Any] = {"scene": str(self.scene), "fields": fields}
         told |= {"set": list(self.overrides), "data": self.data, "full": self.full}
@@ -94,7 +96,7 @@ class Asked:
 
 @dataclass(frozen=True)
 class Swept:
-    """A sweep: its record, points, modes, and the store, to be discarded once it is written."""
+    """A sweep: its record, points, modes, and the store, to be discarded after writing."""
 
     record: dict[str, Any]
     points: Points
@@ -103,11 +105,11 @@ class Swept:
 
 
 def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: None) -> Swept:
-    """Make a sweep; what an interrupted one left beside ``out`` is used again.
+    """Run a sweep; results of an interrupted one, stored beside ``out``, are reused.
 
-    Along one axis without a reduced model each point is solved in full. Raises InputError when the
-    scene has no reduced model over more fields or refuses a value, and ConvergenceError when full
-    solves keep passing the bounds.
+    Along a single axis without a reduced model each point is solved in full. InputError when there
+    is no reduced model over several fields, or a value is not allowed; ConvergenceError when full
+    solves keep violating the error bounds.
     """
     begun, given = perf_counter(), (asked.scene, asked.fields, asked.overrides, asked.data)
     why = "--full" if asked.full else ""
@@ -132,7 +134,7 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
     except NoRoomError:
         if not isinstance(scene.assembled, AssembledScene):
             raise
-        with factors_of(scene.assembled.scene):  # told by the field of a mesh
+        with factors_of(scene.assembled.scene):  # raises it again with the field of a mesh
             raise
     finally:
         scene.driver.free()
@@ -149,7 +151,7 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
 def _on_bases(
     asked: Asked, scene: SweptScene, store: Store, progress: Callable[[str], None]
 ) -> tuple[dict[str, Any], Spectra]:
-    """The record of a sweep on one basis for each box, and modes at all points."""
+    """Return the record of a sweep with one basis for each box, and modes at all points."""
     rows, lines, bases = dict[int, dict[str, Any]](), list[FoundAlong](), list[_OnBasis]()
     for number in range(len(scene.points.boxes)):
         bases.append(_OnBasis(asked, scene, store, progress, number))
@@ -196,7 +198,7 @@ class _OnBasis:
                 self.basis.take(solve)
 
     def solved(self) -> tuple[dict[int, dict[str, Any]], list[FoundAlong]]:
-        """What is known at the points of the box, by their numbers, and of thresholds."""
+        """Return the rows of all points of the box, by their indices, and thresholds along its lines."""
         try:
             self._train()
             return self._covered()
@@ -204,10 +206,10 @@ class _OnBasis:
             self.basis.model.free()
 
     def _covered(self) -> tuple[dict[int, dict[str, Any]], list[FoundAlong]]:
-        """The same, once the model is trained.
+        """Return the rows and thresholds, once the basis is trained.
 
-        The basis grows until bounds are small at all points or solves are spent; parts with a bound
-        that was too large are made anew.
+        The basis is enriched until all points are certified or the full solves are used up; parts
+        with an uncertified point are recomputed.
         """
         model, tolerance = self.basis.model, self._asked.tolerance
         parts, done = self._box.parts, dict[int, _Part]()
@@ -228,9 +230,9 @@ class _OnBasis:
             done = {i: done[i] for i in sure if same}
 
     def _train(self) -> None:
-        """Solve until bounds are small at the training points, and full solves agree.
+        """Enrich the basis until bounds are small at the training points, and full solves agree.
 
-        Raises ConvergenceError when the last full solves passed the bounds.
+        ConvergenceError when the last full solves violate the bounds.
         """
         asked, own, basis = self._asked, self._box.parts.ravel(), self.basis
         training = [self._point(i) for i in self._box.training]
@@ -243,8 +245,8 @@ class _OnBasis:
                 return
             if len(basis.solves) >= asked.most:
                 raise ConvergenceError(
-                    "full solves found modes or errors that the reduced model had not told of; "
-                    "a lower max_frequency may help"
+                    "full solves found missing modes, or errors above the bounds of the reduced "
+                    "model; lower max_frequency, or allow more full solves"
                 )
 
     def _begin(self, point: Mapping[str, float]) -> None:
@@ -252,7 +254,7 @@ class _OnBasis:
         self._progress(f"full solve: {shown}")
 
     def _made(self, missing: list[int]) -> dict[int, _Part]:
-        """Parts of the table of points, shared out among the ranks; those stored are read."""
+        """Compute missing parts, distributed over the ranks; stored ones are read."""
         comm, small = MPI.COMM_WORLD, self.basis.model.small
         basis = f"{self._name}-of-{len(self.basis.solves)}-solves-{small.safety:g}"
         values, parts = self._scene.points.values, self._box.parts
@@ -271,7 +273,7 @@ class _OnBasis:
         return {i: part for share in comm.allgather(made) for i, part in share.items()}
 
     def _part(self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None) -> _Part:
-        """Thresholds of a part, and what is known at its points."""
+        """Return the thresholds of a part, and the rows of its points."""
         scene, spectra, rows = self._scene, list[ReducedSpectrum](), []
         for values in (self._values(int(number)) for number in numbers):
             found = small.at(values)
@@ -288,7 +290,7 @@ class _OnBasis:
     def _line(
         self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
     ) -> FoundAlong:
-        """Thresholds along a line."""
+        """Return the thresholds along a line, with the values of the other fields."""
         scene, points = self._scene, self._scene.points
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
         line = line_of_model(
@@ -302,7 +304,7 @@ class _OnBasis:
         return dict(zip(points.names[1:], others, strict=True)), found
 
     def difference(self, others: Mapping[str, float], found: Threshold) -> float | None:
-        """By how much full solves move a threshold; None where they have none."""
+        """Return the change of a threshold by full solves; None where it cannot be confirmed."""
 
         def at(value: float) -> dict[str, float]:
             return self._scene.point((value, *others.values()))
@@ -314,14 +316,14 @@ class _OnBasis:
         return self._scene.point(self._scene.points.values[number].tolist())
 
     def _values(self, number: int) -> dict[str, float]:
-        """Values of all parameters at a point."""
+        """Return the values of all parameters at a point."""
         return self._scene.pencil.values(self._point(number))
 
 
 def _run_in_full(
     scene: SweptScene, why: str, progress: Callable[[str], None]
 ) -> tuple[dict[str, Any], Spectra, list[Run]]:
-    """The record, modes and warnings of each point by a run of its own."""
+    """Return the record, modes and warnings of a sweep with a full solve at each point."""
     points, results, failed = scene.points, list[Result | None](), list[dict[str, Any]]()
     solves: list[Run] = []
     for values in points.values.tolist():

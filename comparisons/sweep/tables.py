@@ -1,4 +1,4 @@
-"""What a sweep says: its first lines, its tables, the sections of its page."""
+"""Presentation of a sweep: its first lines, its tables, the sections of its page."""
 
 from typing import Any
 
@@ -16,18 +16,18 @@ from comparisons.sweep.spectra import UNSTABLE
 from comparisons.sweep.study import Swept
 
 _ON_PAGE = 500
-"""Rows of a table up to which the page holds it; its file holds all."""
+"""Largest number of rows of a table that the page shows; its file holds all."""
 _WHAT = {
     "flutter": ("flutter begins", "flutter ends"),
     "divergence": ("divergence begins", "divergence ends"),
     "window": ("growing mode enters the window from above", "growing mode leaves the window"),
     "count": ("more modes grow", "fewer modes grow"),
 }
-"""What happens where growing modes become more, and where they become fewer."""
+"""Text for a threshold where the number of growing modes increases, and where it decreases."""
 
 
 def headline(data: Data) -> str:
-    """What a sweep says first, in one sentence or two."""
+    """Return the main result of a sweep in one or two sentences."""
     if "fields" in data:
         told = f"{data['any']['grows']} of {data['values']} samples grow"
         undecided = data["any"]["undecided"]
@@ -53,7 +53,7 @@ def headline(data: Data) -> str:
 
 
 def words(made: Swept) -> str:
-    """How many modes have which word at the point where a mode grows fastest."""
+    """Return the number of modes of each class at the point of the largest growth rate."""
     data, points, spectra = made.record, made.points, made.spectra
     if not spectra.there.any():
         return f"No modes below {data['max_frequency']:g} Hz at any value."
@@ -63,11 +63,11 @@ def words(made: Swept) -> str:
     at = zip(points.names, points.values[point], strict=True)
     told = ", ".join(f"{name} = {value:.6g}" for name, value in at)
     counts = counted_words([WORDS[i] for i in verdicts], growth.tolist(), data["growth_threshold"])
-    return f"Most grows at {told}: {counted(len(growth), 'mode')}: {counts}."
+    return f"Largest growth rate at {told}: {counted(len(growth), 'mode')}: {counts}."
 
 
 def sections_of(made: Swept, drawn: Plot | Drawing) -> list[Section]:
-    """The page of a sweep."""
+    """Return the sections of the page of a sweep."""
     data, few = made.record, len(made.points.values) <= _ON_PAGE
     own = OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
     tables = [Table("summary", "The sweep.", summary, own)]
@@ -76,9 +76,9 @@ def sections_of(made: Swept, drawn: Plot | Drawing) -> list[Section]:
     if "why" in data:
         why = f"Solved in full at each value: {data['why']}"
     else:
-        caption = "What moves the growth rate of the fastest mode: its derivatives."
+        caption = "Derivatives of the growth rate and frequency of the fastest growing mode."
         tables.append(Table("sensitivities", caption, sensitivities, own, shown=few))
-        caption = "Full solves that bases rest on; errors of the reduced model there before."
+        caption = "Full solves of the basis, and error of the reduced model before each of them."
         basis.append(Table("full_solves", caption, full_solves, own))
     title = "Thresholds" if made.points.axes else "Probability of growth"
     return [
@@ -91,12 +91,12 @@ def sections_of(made: Swept, drawn: Plot | Drawing) -> list[Section]:
 
 
 def answer_table(made: Swept) -> Table:
-    """Where the number of growing modes changes; of samples how many grow."""
+    """Return the table of thresholds, or of probabilities for samples."""
     data, names = made.record, made.points.names
     if not made.points.axes:
-        caption = f"Samples that grow, of {data['values']}; intervals of 95 per cent."
+        caption = f"Growing samples of {data['values']}; 95 per cent confidence intervals."
         return Table("probability", caption, probability, OWN)
-    told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval by count alone"
+    told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval accepted by count"
     if "why" in data:
         told = "the step between values, each of which is solved in full"
     caption = f"Where the number of growing modes changes along {names[0]}. Resolution: {told}."
@@ -106,7 +106,7 @@ def answer_table(made: Swept) -> Table:
 
 
 def thresholds(made: Swept) -> pd.DataFrame:
-    """A row for each threshold, and one for each interval that is unresolved."""
+    """Return a row for each threshold and each unresolved interval."""
     first, *others = made.points.names
     rows = []
     for each in (*made.record["thresholds"], *made.record["unresolved"]):
@@ -123,7 +123,7 @@ def thresholds(made: Swept) -> pd.DataFrame:
 
 
 def full_solves(made: Swept) -> pd.DataFrame:
-    """A row for each full solve."""
+    """Return a row for each full solve."""
     solves = made.record["snapshots"]
     firsts = [group[0] for group in made.record["parameters"]]
     return pd.DataFrame(
@@ -136,7 +136,7 @@ def full_solves(made: Swept) -> pd.DataFrame:
 
 
 def summary(made: Swept) -> pd.DataFrame:
-    """What the sweep rests on, and how sure it is."""
+    """Return the size of the reduced model, the number of certified values, and the worst bound."""
     data = made.record
     told = {"values": data["values"]}
     if "why" in data:
@@ -156,12 +156,12 @@ def summary(made: Swept) -> pd.DataFrame:
 
 
 def _places(made: Swept, chosen: Any = slice(None)) -> pd.DataFrame:
-    """The fields at chosen points."""
+    """Return the fields at chosen points."""
     return pd.DataFrame(made.points.values[chosen], columns=[*made.points.names])
 
 
 def values(made: Swept) -> pd.DataFrame:
-    """A row for each point: how many modes grow, the fastest, the bound, what it warns of."""
+    """Return a row for each point: number of growing modes, the fastest, bound, warnings."""
     data, spectra, frame = made.record, made.spectra, _places(made)
     reasons = {tuple(each["point"].values()): each["reason"] for each in data["failed"]}
     top = np.arange(len(frame)), np.where(spectra.there, spectra.growth, -np.inf).argmax(axis=1)
@@ -181,7 +181,7 @@ def values(made: Swept) -> pd.DataFrame:
 
 
 def sensitivities(made: Swept) -> pd.DataFrame:
-    """A row for the fastest growing mode of each point, where one grows."""
+    """Return a row for the fastest growing mode of each point with an unstable mode."""
     spectra = made.spectra
     rows = np.flatnonzero(np.isfinite(spectra.largest))
     unstable = np.where(spectra.verdict[rows] == UNSTABLE, spectra.growth[rows], -np.inf)
@@ -194,7 +194,7 @@ def sensitivities(made: Swept) -> pd.DataFrame:
 
 
 def probability(made: Swept) -> pd.DataFrame:
-    """A row for all modes together, and for each mode that may grow."""
+    """Return a row for all modes together, and one for each mode that may grow."""
     data = made.record
     together = {"mode": "any", "frequency": None, "seen": data["values"]} | data["any"]
     return pd.DataFrame(
@@ -222,4 +222,4 @@ OWN = {
     "growth_median": Column("median", "1/s", shown(4)),
     "growth_high": Column("95 %", "1/s", shown(4)),
 }
-"""How columns of sweeps are shown."""
+"""Titles, units and formats of the columns of sweeps."""

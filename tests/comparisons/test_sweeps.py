@@ -203,7 +203,7 @@ def test_maps_that_are_none_are_refused():
         mapped("blocks", [read_axis("mu=-1:1:3")])
     modal = "bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}"
     axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
-    with pytest.raises(NoMapError, match="where damped modes were found"):
+    with pytest.raises(NoMapError, match="at which modal damping was computed"):
         mapped("disc_pad_damped", [axis], (*COARSE_DISC, modal))
 
 

@@ -265,7 +265,7 @@ def test_factors_go_to_disk_where_memory_would_not_do(backend, monkeypatch):
     plain = run_modes(scene)
     assert "factors-on-disk" not in [warning.kind for warning in plain.warnings]
     monkeypatch.setattr(mumps, "free_memory", lambda comm: 1e6)
-    with pytest.raises(InputError, match=r"take .* of memory, .* with those on disk") as caught:
+    with pytest.raises(InputError, match=r"take .* of memory, .* with factors on disk") as caught:
         run_modes(scene)
     assert caught.value.field == f"bodies.upper.mesh.{backend}.elements"
     lack = caught.value.__cause__
