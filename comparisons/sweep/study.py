@@ -198,7 +198,7 @@ class _OnBasis:
                 self.basis.take(solve)
 
     def solved(self) -> tuple[dict[int, dict[str, Any]], list[FoundAlong]]:
-        """Return the rows of all points of the box, by their indices, and thresholds along its lines."""
+        """Return the rows of the points of the box, by index, and thresholds along its lines."""
         try:
             self._train()
             return self._covered()
