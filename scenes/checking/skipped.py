@@ -56,7 +56,7 @@ def _unused(scene: Scene) -> Iterator[_Row]:
     if analysis.kind == "cea":
         reason = f"{GIVEN}the stiffness of every contact is given, so loads do not affect the modes"
         yield bool(scene.loads) and not scene.slides_steadily, "loads", reason
-        reason = f"{GIVEN}without damping or rotation, the window has no limit of growth rates"
+        reason = f"{GIVEN}without damping or rotation, the growth rate has no limit"
         given = analysis.min_growth is not None
         yield given and not (scene.damped or scene.rotates), "analysis.min_growth", reason
     for name, contact in scene.contacts.items():

@@ -402,7 +402,7 @@ def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact
 
 
 def mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
-    """Return the mean contact stiffness p (N/m^3), open parts included; with c_n, in steady sliding."""
+    """Return the mean contact stiffness p (N/m^3), open parts included; with c_n, while sliding."""
     points = halves[0].interface.points
     area = float(points.weight.sum())
     if spec.c_n is not None:
