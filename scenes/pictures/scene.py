@@ -32,7 +32,7 @@ _CLOSED = 1e-6
 _LIFT = 2e-3
 """Offset of points drawn on a surface from it, relative to the diagonal."""
 _PANELS = (
-    ("bodies, surfaces, supports", "dark: held; light blue: held in part"),
+    ("bodies, surfaces, supports", "dark: fixed; light blue: partly supported"),
     ("contact points", "grey: normals of a; red: friction on a"),
 )
 """Title and legend of each panel."""

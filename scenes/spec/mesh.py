@@ -22,9 +22,9 @@ class FeMesh:
     geometry_degree
         Degree of the geometry; by default that of the elements. 1 gives straight facets.
     elements
-        Number of cells of a structured mesh along each direction of the shape, over the full
-        circumference of closed shapes. Each is divided into six tetrahedra or two triangles if the
-        cells are such.
+        Number of boxes of a structured mesh along each direction of the shape, over the full
+        circumference of closed shapes. A box is one quadrilateral or hexahedron, two triangles or
+        six tetrahedra.
     size
         Target edge length of unstructured tetrahedra or triangles (m), instead of ``elements``.
     through

@@ -93,7 +93,7 @@ def type_in_words(spec: Mapping[str, Any]) -> str:
         return f"list of {f'{length} ' if length else ''}{many}"
     if kind == "object":
         return f"table by name: {type_in_words(others)}" if isinstance(others, Mapping) else "table"
-    words = {"number": "number", "integer": "whole number", "string": "text", "boolean": "truth"}
+    words = {"number": "number", "integer": "whole number", "string": "text", "boolean": "boolean"}
     bounds = [sign + str(spec[bound]) for bound, sign in _BOUNDS.items() if bound in spec]
     return " ".join([words.get(str(kind), "any value"), *([", ".join(bounds)] if bounds else [])])
 
