@@ -69,7 +69,7 @@ def stiffnesses_meant(contacts: Mapping[str, ContactSpec], name: str) -> dict[st
         path = f"contacts.{each}.p"
         if _meant(name, path, bonded):
             if not isinstance(spec.p, float) or not isfinite(spec.p):
-                allowed = f"a finite number in the scene; or use contacts.{each}.P or c_n if given"
+                allowed = f"a finite number in the scene, or contacts.{each}.P or c_n instead"
                 raise InputError(path, spec.p, allowed)
             found[each] = spec.p
     return found
