@@ -1,1 +1,1 @@
-"""From what a scene says to bodies, contacts and their coupled system."""
+"""Construction of bodies, contacts and the coupled system of a scene."""

@@ -1,4 +1,4 @@
-"""Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
+"""Bodies and coupled systems of scenes. A backend is imported only if a scene uses it."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -29,11 +29,11 @@ from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
 _ROUNDING = 1e-14
-"""Friction below this part of the largest counts as zero."""
+"""Friction coefficient, relative to the largest of a contact, below which it is set to zero."""
 
 
 def made_of(scene: Scene, name: str) -> tuple[BodySpec, tuple[LoadSpec, ...], tuple[str, ...]]:
-    """What a body of a scene is made of: its spec, its loads, surfaces asked of a mesh file."""
+    """Return what determines a body: its spec, loads, and surfaces used from a mesh file."""
     spec = scene.bodies[name]
     of_file = isinstance(spec.geometry, MeshFile)
     return (
@@ -46,10 +46,9 @@ def made_of(scene: Scene, name: str) -> tuple[BodySpec, tuple[LoadSpec, ...], tu
 def build_bodies(
     scene: Scene, timer: StageTimer, given: Mapping[str, Body] | None = None
 ) -> dict[str, Body]:
-    """Bodies of a scene by name.
+    """Return the bodies of a scene by name.
 
-    Of those given, the ones that no scene built are taken as they are, and those that a scene
-    built of the same.
+    Given bodies are reused if they were built from the same data, or without a scene.
     """
     bodies = {}
     for name in scene.bodies:
@@ -64,7 +63,7 @@ def build_bodies(
 def build_body(
     name: str, spec: BodySpec, loads: Sequence[LoadSpec] = (), surfaces: Sequence[str] = ()
 ) -> Body:
-    """One body of a scene on its backend; of a mesh file it has the surfaces that are asked for."""
+    """Build a body of a scene on its backend; ``surfaces`` are those used from a mesh file."""
     field, mesh, degree = f"bodies.{name}", spec.mesh.iga, spec.fe_degree
     space: Space
     if spec.backend == "fe" and degree is not None:
@@ -99,7 +98,7 @@ def build_body(
 
 
 def used_surfaces(scene: Scene, body: str) -> list[str]:
-    """Surfaces of a body that supports, springs, loads and contacts name."""
+    """Return the surfaces of a body that supports, springs, loads and contacts use."""
     spec = scene.bodies[body]
     places = [load.surface for load in scene.loads if load.surface is not None]
     places += [side for contact in scene.contacts.values() for side in (contact.a, contact.b)]
@@ -110,7 +109,7 @@ def used_surfaces(scene: Scene, body: str) -> list[str]:
 
 
 def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
-    """Mesh of a body of Lagrange elements; of a mesh file, with the surfaces that are asked for."""
+    """Return the mesh of a body of Lagrange elements, with ``surfaces`` from a mesh file."""
     if isinstance(spec.geometry, MeshFile):
         with below(f"bodies.{body}.geometry"):
             return spec.geometry.mesh(surfaces, spec.placement)
@@ -135,7 +134,7 @@ def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
 
 
 def build_contacts(scene: Scene, bodies: Mapping[str, Body], timer: StageTimer) -> list[Contact]:
-    """The half passes of a scene, their points located on the opposite sides, without operators."""
+    """Return the half passes of a scene, with points located on the opposite sides."""
     with timer("search"):
         return [
             half
@@ -145,7 +144,7 @@ def build_contacts(scene: Scene, bodies: Mapping[str, Body], timer: StageTimer) 
 
 
 def half_passes(name: str, spec: ContactSpec, bodies: Mapping[str, Body]) -> list[Contact]:
-    """The half pass of a contact with its points on side a; of a full pass, on side b too."""
+    """Return the half pass of a contact with points on side a; in a full pass, also on side b."""
     sides = [(spec.a, spec.b), (spec.b, spec.a)] if spec.full_pass else [(spec.a, spec.b)]
     return [_half_pass(name, spec, bodies, *each) for each in sides]
 
@@ -153,9 +152,9 @@ def half_passes(name: str, spec: ContactSpec, bodies: Mapping[str, Body]) -> lis
 def _half_pass(
     name: str, spec: ContactSpec, bodies: Mapping[str, Body], side_a: str, side_b: str
 ) -> Contact:
-    """Points on one side, with stiffness and friction; P is spread evenly over those that touch.
+    """Return a half pass with stiffness and friction; P is distributed uniformly over its points.
 
-    Of the larger side of a full pass, points that find nothing opposite go.
+    Points of the larger side of a full pass that have no opposite point are dropped.
     """
     (body_a, _, on_a), (body_b, _, on_b) = side_a.partition("."), side_b.partition(".")
     a, b = bodies[body_a].surfaces[on_a], bodies[body_b].surfaces[on_b]
@@ -178,7 +177,7 @@ def _half_pass(
         friction = None
         if spec.friction_direction_on_a is not None:
             mu = _values("mu", spec.mu, points.x)
-            # what rounding leaves where an expression vanishes counts as zero
+            # rounding errors of an expression that vanishes
             negligible = np.abs(mu) < _ROUNDING * np.abs(mu).max(initial=0.0)
             mu = np.where(negligible, 0.0, mu)
             friction = Friction(mu, spec.friction_direction_on_a, reverse)
@@ -199,7 +198,7 @@ def _half_pass(
 
 @contextmanager
 def below(place: str) -> Iterator[None]:
-    """Name the section in faults of its fields."""
+    """Prefix the fields of input errors with the path of their section."""
     try:
         yield
     except InputError as error:
@@ -221,12 +220,12 @@ def build_system(
     *,
     leave_out: bool = True,
 ) -> CoupledSystem:
-    """Coupled matrices of a scene: mass only for eigenvalues, loads only where they matter."""
+    """Assemble the coupled system: mass only for eigenvalues, loads only if they have an effect."""
     static = scene.analysis.kind == "static"
     motions = {}
     for name, body in scene.bodies.items():
         damping = body.damping
-        if not static or body.rotation is not None:  # at rest nothing else moves
+        if not static or body.rotation is not None:  # damping has no static effect without rotation
             rayleigh, modal = (damping.rayleigh(), damping.modal) if damping else (None, None)
             motions[name] = Motion(rayleigh, body.rotation, modal)
     with timer("assembly"):

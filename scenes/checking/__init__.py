@@ -1,1 +1,1 @@
-"""What a scene and its results must be read with, and a scene looked at before it is run."""
+"""Checks of scenes and results: warnings, skipped stages, memory, inspection before a run."""

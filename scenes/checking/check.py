@@ -1,4 +1,4 @@
-"""A scene looked at before it is run: bodies meshed, contact points searched, nothing solved."""
+"""Inspection of a scene before it runs: meshing and contact search without a solve."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -19,22 +19,22 @@ from scenes.spec.reading import Scene
 
 @dataclass(frozen=True)
 class Inspection:
-    """What can be said of a scene without solving anything.
+    """Faults, warnings, bodies and contacts of a scene, found without a solve.
 
     Parameters
     ----------
     scene
-        The scene.
+        The inspected scene.
     faults
-        Why it would be refused.
+        Errors with which a run would be refused.
     skipped
-        What it does not need, with the reason.
+        Stages and inputs that a run does not use, with the reason.
     warnings
-        What its result would have to be read with, as far as that is known before.
+        Warnings of a result that are known before the solve.
     bodies
-        Its bodies, none where they do not fit into memory or one of them is refused.
+        Bodies by name; empty if they do not fit into memory or one of them is invalid.
     halves
-        Its contacts by name of the half pass, but for those that are refused.
+        Half passes of the valid contacts by name.
     """
 
     scene: Scene
@@ -46,20 +46,20 @@ class Inspection:
 
     @property
     def dofs(self) -> int:
-        """Unknowns: of the bodies as built, else estimated."""
+        """Number of unknowns of the bodies, an estimate if they were not built."""
         if not self.bodies:
             return round(sum(map(dofs_of, self.scene.bodies.values())))
         return sum(int(body.expansion.getSize()[1]) for body in self.bodies.values())
 
 
 def inspect_scene(scene: Scene) -> Inspection:
-    """Look at a scene without solving anything; collective.
+    """Mesh the bodies of a scene and search its contacts, without a solve; collective.
 
     Returns
     -------
     Inspection
-        With every fault of its memory, bodies and contacts; one that cannot be meshed has no
-        contact points.
+        With all faults of memory, bodies and contacts. Contacts are searched only if all bodies
+        could be built.
     """
     faults = Faults()
     bodies: Mapping[str, Body] = {}
@@ -73,7 +73,7 @@ def inspect_scene(scene: Scene) -> Inspection:
         try:
             contacts = half_passes(name, contact, bodies)
             for half in contacts:
-                if half.friction is not None:  # it has a direction everywhere
+                if half.friction is not None:  # raises if the direction vanishes
                     points = half.interface.points
                     with below(f"contacts.{name}"):
                         half.friction.along(points.x, points.normal)
@@ -87,14 +87,14 @@ def inspect_scene(scene: Scene) -> Inspection:
 
 
 def gaps(half: Contact) -> np.ndarray:
-    """Distances (m) between the sides at all points, apart positive; collective."""
+    """Return the gaps (m) at all points, positive where the sides are apart; collective."""
     interface = half.interface
     found = np.concatenate(interface.comm.allgather(interface.initial_gap))
     return np.asarray(found + half.added_gap)
 
 
 def told(inspection: Inspection) -> Iterator[str]:
-    """An inspection in lines; collective."""
+    """Yield the lines of a summary of an inspection; collective."""
     bodies = inspection.scene.bodies.items()
     shown = [f"{name} ({body.geometry.shape}, {body.backend})" for name, body in bodies]
     yield f"bodies: {', '.join(shown)}"

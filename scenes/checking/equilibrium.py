@@ -1,20 +1,20 @@
-"""What equilibria must be read with: states of steady sliding, and static displacements.
+"""Warnings about equilibria: states of steady sliding and static displacements.
 
-Facets of a curved surface are tilted against it: an approach u of the sides that slides along the
-true surface seems to close (n - n_true).u at a point, of either sign in a facet; projected on the
-traces of a side most of it cancels. Of meshes from files the surface is not known: its distance
-from the facets is estimated, and initial gaps below that count as zero.
+The normals of facets differ from those of the curved surface. A relative displacement u of the
+sides tangential to the true surface changes the gap by (n - n_true).u, of either sign in a facet;
+most of it cancels in the projection on the traces of a side. For mesh files the true surface is
+unknown: its distance from the facets is estimated, and smaller initial gaps count as zero.
 
-Pressures crowd at the rim of a closed zone of width W, the more the stiffer the law is beside a
-body: p W / E. Crowned blocks were pressed on blocks in the plane (841 scenes, each beside a mesh
-five times finer). With n trace functions across the zone, the mean pressure that a unit of force
-meets was off by
+Pressures concentrate at the edge of a closed zone of width W, more so for a large ratio p W / E of
+the stiffness of the law to that of a body. Crowned blocks on blocks in the plane (841 scenes, each
+compared with a mesh five times finer) with n trace functions across the zone had these errors of
+the force-weighted mean pressure:
 
     n / (p W / E)^(1/3)     0.3 to 0.5   0.5 to 0.6   0.6 to 0.8   1 to 1.2   2 or more
-    median, 90 % below      15, 41 %     13, 27 %     8, 16 %      2, 7 %     0.2, 2 %
+    median, 90th percentile 15, 41 %     13, 27 %     8, 16 %      2, 7 %     0.2, 2 %
 
-Below 0.6 unstable modes were missed, above it none; in space errors along both directions add up.
-With laws as stiff as p W / E = 1e7, 20 functions across left 1 % with mortar.
+Below 0.6 unstable modes were missed, above 0.6 none. In three dimensions the errors along both
+directions add up. At p W / E = 1e7 mortar with 20 functions across the zone had an error of 1 %.
 """
 
 from collections.abc import Iterator
@@ -42,24 +42,24 @@ from scenes.spec.reading import Scene
 Warnings = Iterator[ResultWarning]
 
 _STRAIN = 0.1
-"""Strain of which the quadratic terms that linear elasticity leaves out, e^2 / 2 of the
-Green-Lagrange strain e + e^2 / 2 (Wriggers, Nonlinear Finite Element Methods, 2008), are 5 %."""
+"""Principal strain above which a warning is given: the quadratic term e^2 / 2 of the Green-Lagrange
+strain e + e^2 / 2 (Wriggers, Nonlinear Finite Element Methods, 2008) is then 5 % of e."""
 _NOISE = 4.0
-"""Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
+"""Closure, relative to rounding errors of displacements, below which the status is undecided."""
 _ALLOWED = 0.01
-"""Relative error of pressures in the mean square that is told; peaks err by two or three times it.
+"""Estimated relative error of pressures (root mean square) above which a warning is given. Errors
+of peaks are two to three times larger.
 
-With rings that are shrunk into each other the estimate is right to a few per cent up to 0.1, at
-degrees 1 to 3.
+For shrink-fitted rings of degrees 1 to 3 the estimate is accurate to a few per cent up to 0.1.
 """
 _FEWEST = {2: 0.6, 3: 1.0}
-"""Trace functions across a closed zone that it needs, relative to (p W / E)^(1/3), by dimension."""
+"""Least number of trace functions across a closed zone over (p W / E)^(1/3), by dimension."""
 _ENOUGH = 20.0
-"""Trace functions across that are enough however stiff the law is."""
+"""Number of trace functions across a closed zone that suffices for any stiffness of the law."""
 
 
 def motion_warnings(scene: Scene, system: CoupledSystem, x: Any) -> Warnings:
-    """Displacements larger than their body and strains that linear elasticity has no right to."""
+    """Warn of displacements larger than the body and of strains too large for linear elasticity."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
         full = system.displacement(x, name, everywhere=False)
         cells = body.space.volume_cells().straight()
@@ -71,12 +71,12 @@ def motion_warnings(scene: Scene, system: CoupledSystem, x: Any) -> Warnings:
             about = {"displacement": motion, "length": length}
             yield warning("large-displacement", told, body=name, **about)
         if strain > _STRAIN:
-            told = "bodies.{body} is strained by up to {strain:.3g}: only small strains are right"
+            told = "bodies.{body} has strains up to {strain:.3g}, too large for linear elasticity"
             yield warning("large-strain", told, body=name, strain=strain)
 
 
 def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
-    """Largest displacement (m), length of the body (m), largest mean principal strain of a cell."""
+    """Return the largest displacement (m), length of the body (m) and largest mean cell strain."""
     u = sample.values @ full.reshape(-1, sample.points.shape[1])
     x, moved = sample.points[sample.cells], u[sample.cells]
     gradient = np.linalg.pinv(x - x.mean(axis=1, keepdims=True)) @ moved
@@ -87,11 +87,11 @@ def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
 
 
 def steady_warnings(scene: Scene, system: CoupledSystem, steady: SteadySliding) -> Warnings:
-    """What a state of steady sliding must be read with; collective."""
+    """Yield the warnings about a state of steady sliding; collective."""
     if steady.uniqueness is not None:
         yield from steady.uniqueness.warnings()
     if steady.residual > LEFT_OVER:
-        told = "rounding leaves {residual:.1e} of the load of steady sliding over"
+        told = "rounding errors leave a residual of {residual:.1e} of the load in steady sliding"
         yield warning("equilibrium-rounding", told, residual=steady.residual)
     largest = max(-steady.displacement.min()[1], steady.displacement.max()[1])
     for contact in system.contacts:
@@ -105,23 +105,23 @@ def steady_warnings(scene: Scene, system: CoupledSystem, steady: SteadySliding) 
 
 
 def _undecided(contact: Contact, state: ContactState, noise: float) -> Warnings:
-    """A contact that is open, or of which rounding decides where it is, as its stiffness jumps."""
+    """Warn of an open contact, and of a status that rounding decides for a linear law."""
     about, law = {"contact": contact.pair, "half": contact.name}, contact.law
     if not state.closed_area:
-        told = "contacts.{half} is open in steady sliding: it carries nothing"
+        told = "contacts.{half} is open everywhere in steady sliding"
         yield warning("contact-open", told, **about)
     points = np.abs(state.closure) <= noise
     fraction = float(contact.interface.points.weight[points].sum()) / state.area
     if fraction and isinstance(law, NormalCompliance) and law.m == 1:
-        told = "rounding decides whether {fraction:.2g} of the area of contacts.{half} is open; "
-        told += "with m_n = 1 its stiffness jumps there"
+        told = "rounding decides whether a fraction {fraction:.2g} of the area of contacts.{half} "
+        told += "is open; with m_n = 1 the stiffness is discontinuous there"
         yield warning("closure-undecided", told, **about, fraction=fraction)
 
 
 def _geometry_error(
     system: CoupledSystem, steady: SteadySliding, contact: Contact, state: ContactState
 ) -> Warnings:
-    """Closures that do not stand out from the errors of curved facets; collective."""
+    """Warn of closures comparable to the geometry errors of curved facets; collective."""
     interface, law = contact.interface, contact.law
     assert isinstance(law, NormalCompliance)
     with agreed(interface.comm):
@@ -137,18 +137,18 @@ def _geometry_error(
     of_gaps = float(np.sqrt(force @ error**2 / force.sum()))
     relative = law.m * of_gaps / closure
     if relative > _ALLOWED:
-        told = "curved facets leave {geometry_error:.2g} m of the closures of contacts.{half} "
-        told += "undecided, {closure:.2g} m in the mean: pressures are off by {relative:.2%}"
+        told = "geometry errors of contacts.{half}, {geometry_error:.2g} m of a mean closure of "
+        told += "{closure:.2g} m, change its pressures by {relative:.2%}"
         about = {"contact": contact.pair, "half": contact.name, "closure": closure}
         yield warning("geometry-error", told, **about, geometry_error=of_gaps, relative=relative)
 
 
 class ClosedZone(NamedTuple):
-    """The largest circle within the closed part of a contact; a stretch in the plane.
+    """The largest circle inside the closed part of a contact; an interval in the plane.
 
-    It has its diameter (m), the unit vector from its centre to the nearest open point, and the
-    closed points in it. A zone that ends at the rim of the contact, as at a plane of symmetry,
-    counts as if it went on beyond it alike.
+    Fields are its diameter (m), the unit vector from its centre to the nearest open point, and the
+    closed points inside. A zone that ends at the boundary of the contact, e.g. at a plane of
+    symmetry, is treated as if it continued symmetrically beyond it.
     """
 
     width: float
@@ -156,7 +156,7 @@ class ClosedZone(NamedTuple):
     points: Floats
 
     def elements(self, surface: Surface) -> float:
-        """Elements of a side across it: knot spans, or facets."""
+        """Return the number of elements (knot spans or facets) of a side across the zone."""
         cells = surface.cells()
         count, corners = cells.corners.shape[:2]
         at = SurfaceCoordinates(
@@ -168,7 +168,7 @@ class ClosedZone(NamedTuple):
 
 
 def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
-    """The closed zone of a contact; None where all of it is closed, or nothing."""
+    """Return the closed zone of a contact; None if all points are closed, or all open."""
     closed, still_open = x[closure > 0], x[closure <= 0]
     if not len(closed) or not len(still_open):
         return None
@@ -183,7 +183,7 @@ def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
 def _coarse_closed_zone(
     scene: Scene, contact: Contact, state: ContactState, halves: int
 ) -> Warnings:
-    """A closed zone that ends inside a contact and has too few elements across for its law."""
+    """Warn of a closed zone inside a contact with too few elements across for its law."""
     interface = contact.interface
     zone = closed_zone(interface.points.x, state.closure)
     if zone is None:
@@ -203,7 +203,7 @@ def _coarse_closed_zone(
         sides.append(side | {"needed": needed, "stiffness": relative})
     worst = min(sides, key=lambda side: side["elements"] / side["needed"])
     if worst["elements"] < worst["needed"]:
-        told = "the closed zone of contacts.{half} is {elements:.2g} elements of {side} wide; its "
-        told += "law, p W / E = {stiffness:.2g}, needs {needed:.2g} for right pressures"
+        told = "the closed zone of contacts.{half} is {elements:.2g} elements of {side} wide; "
+        told += "accurate pressures need {needed:.2g} at p W / E = {stiffness:.2g}"
         about = {"contact": contact.pair, "half": contact.name}
         yield warning("coarse-closed-zone", told, **about, **worst)

@@ -1,8 +1,8 @@
-"""Memory that scenes take, and what becomes of those for which there is none.
+"""Memory that scenes need: refusal of scenes that do not fit, and factors on disk.
 
-What factors take MUMPS tells once matrices are there (:class:`cea.eigen.mumps.NoRoomError`): where
-memory would not do they go to disk, or the scene is refused. Only what the matrices alone would not
-fit into is refused before work starts.
+MUMPS estimates the memory of the factors from the matrices
+(:class:`cea.eigen.mumps.NoRoomError`). If it is not available, the factors are written to disk, or
+the scene is refused. Before assembly, only scenes whose matrices alone do not fit are refused.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,11 +25,11 @@ from scenes.spec.mesh import FeMesh
 from scenes.spec.reading import Scene
 
 _MATRICES, _ENTRY = 4, 12
-"""Stiffness matrices that are alive at once at least, and bytes of an entry of one."""
+"""Least number of stiffness matrices held at the same time, and bytes per stored entry."""
 
 
 def dofs_of(body: BodySpec) -> float:
-    """Estimate of the unknowns of a body, supports not taken out."""
+    """Estimate the number of unknowns of a body, including supported ones."""
     shape, mesh, dim = body.geometry, body.division, body.dim
     if isinstance(shape, MeshFile):
         own = shape.elements
@@ -42,7 +42,7 @@ def dofs_of(body: BodySpec) -> float:
     if mesh is None:
         return 0.0
     given = shape.given if isinstance(shape, NurbsFile) else shape
-    inner = np.zeros((1, dim))  # knots that a geometry brings along
+    inner = np.zeros((1, dim))  # inner knots of the given geometry
     if isinstance(given, Patches):
         knots = [[len(k) for k in patch.knots] for patch in given.patches]
         inner = np.array(knots) - 2 * np.array([patch.degrees for patch in given.patches]) - 2
@@ -52,18 +52,18 @@ def dofs_of(body: BodySpec) -> float:
 
 
 def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
-    """Refuse a scene whose matrices alone do not fit into the memory of all ranks; collective."""
-    give_back()  # what the process has freed
+    """Raise an InputError if the matrices alone do not fit into memory; collective."""
+    give_back()  # freed memory, to the system
     free, dofs = comm.size * free_memory(comm), {n: dofs_of(b) for n, b in scene.bodies.items()}
     rows = {name: body.dim * (body.degree + 2.0) ** body.dim for name, body in scene.bodies.items()}
     needed = _MATRICES * _ENTRY * sum(dofs[name] * rows[name] for name in dofs)
     if needed > free:
-        told = f"matrices of {sum(dofs.values()):.3g} dofs take {needed / 1e9:.3g} GB or more"
-        raise _refusal(scene, f"{told} of the {free / 1e9:.3g} GB there are")
+        told = f"matrices of {sum(dofs.values()):.3g} dofs need at least {needed / 1e9:.3g} GB"
+        raise _refusal(scene, f"{told}, and {free / 1e9:.3g} GB are free")
 
 
 def _refusal(scene: Scene, told: str) -> InputError:
-    """The refusal of the mesh of the largest body."""
+    """Return the error that refuses a scene, with the mesh of its largest body as the field."""
     name, body = max(scene.bodies.items(), key=lambda item: dofs_of(item[1]))
     mesh = body.division
     field, value = f"bodies.{name}.geometry.file", getattr(body.geometry, "file", None)
@@ -75,7 +75,7 @@ def _refusal(scene: Scene, told: str) -> InputError:
 
 @contextmanager
 def factors_of(scene: Scene) -> Iterator[None]:
-    """Refuse a scene for whose factors there is no memory, by the field of its mesh."""
+    """Convert a NoRoomError to an InputError that names the field of the mesh."""
     try:
         yield
     except NoRoomError as error:
@@ -85,9 +85,10 @@ def factors_of(scene: Scene) -> Iterator[None]:
 def in_memory_or_on_disk[T](
     scene: Scene, driver: EigenSolver, solve: Callable[[], T]
 ) -> tuple[T, tuple[ResultWarning, ...]]:
-    """What a driver solves, with factors on disk where memory would not do; collective.
+    """Solve, with factors on disk if they do not fit into memory; collective.
 
-    What it returns must be read with the warnings.
+    Returns the solution and the warnings that belong to it. Raises an InputError if the factors do
+    not fit on the disk either.
     """
     try:
         return solve(), ()
@@ -97,7 +98,7 @@ def in_memory_or_on_disk[T](
     disk = driver.pencil.comm.tompi4py().allreduce(free_disk(), MPI.MIN)
     files = f"{lack.files / 1e9:.3g} GB of factors"
     if lack.files > disk:
-        told = f"{lack}; {files} on disk, where {disk / 1e9:.3g} GB are free"
+        told = f"{lack}; {files} do not fit on the disk, which has {disk / 1e9:.3g} GB free"
         raise _refusal(scene, told) from lack
     with factors_of(scene), factors_on_disk():
         try:
@@ -106,9 +107,9 @@ def in_memory_or_on_disk[T](
             driver.free()
     data = {"memory": lack.memory, "available": lack.free, "files": lack.files}
     data["memory_with_files"] = lack.with_files
-    return found, (ResultWarning("factors-on-disk", f"{files} were on disk: {lack}", data),)
+    return found, (ResultWarning("factors-on-disk", f"{files} were written to disk: {lack}", data),)
 
 
 def free_disk() -> float:
-    """Bytes that are free where temporary files go."""
+    """Return the free bytes of the file system of temporary files."""
     return float(disk_usage(gettempdir()).free)

@@ -1,4 +1,4 @@
-"""Modes whose waves are too short for the elements of a contact."""
+"""Warning for modes whose wavelengths are too short for the elements of a contact."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -18,14 +18,14 @@ from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 
 _SHORT = 0.02
-"""Relative error of frequency from which a mode is too short for its mesh."""
+"""Estimated relative error of the frequency above which a mode is reported as under-resolved."""
 _STILL = 0.1
-"""Amplitude of a side, relative to that of the other, below which its waves do not count."""
+"""Amplitude of a side, relative to the other side, below which its waves are ignored."""
 _NYQUIST = 0.8
-"""Part of the shortest wave that has a function for each half up to which a wave is one at all."""
+"""Largest resolved phase, relative to the Nyquist limit of one basis function per half wave."""
 
 Shapes = Callable[[SurfaceCoordinates], Complexes]
-"""Displacements of all modes at points of a surface, shape (n, dim, modes)."""
+"""Function that returns the displacements of all modes at points of a surface, (n, dim, modes)."""
 
 
 def short_modes(
@@ -34,7 +34,7 @@ def short_modes(
     shapes: Callable[[str, SurfaceCoordinates], Complexes],
     count: int,
 ) -> tuple[ResultWarning, ...]:
-    """Modes whose waves are too short for the elements of a contact; collective."""
+    """Warn of modes whose waves are too short for the elements of a contact; collective."""
     short, worst = np.zeros(count, dtype=bool), 0.0
     for spec in scene.contacts.values() if count else ():
         sides = {}
@@ -50,16 +50,16 @@ def short_modes(
     if not short.any():
         return ()
     numbers, elements = (np.flatnonzero(short) + 1).tolist(), 2 * np.pi / worst
-    told = "modes {modes} have waves of down to {elements_per_wave:.2g} elements of their contact"
+    told = "modes {modes} have as few as {elements_per_wave:.2g} elements per wave in a contact"
     return (warning("short-modes", told, modes=numbers, elements_per_wave=elements),)
 
 
 def _waves(surface: Surface, shapes: Shapes) -> tuple[Floats, Floats]:
-    """Largest phase phi of each mode over the directions of the elements, and its amplitude.
+    """Return the largest phase phi per element over the element directions, and the amplitude.
 
-    Along the edges of the elements of a surface, phi^2 = int |du/dxi|^2 / int |u|^2 with xi from 0
-    to 1 in each is the square of the phase that a wave passes through in an element. The amplitude
-    is the root mean square of the displacements; collective where the shapes are.
+    phi^2 = int |du/dxi|^2 / int |u|^2 along the edges of the elements, with xi from 0 to 1 in each
+    element, is the squared phase change of a wave over one element. The amplitude is the root mean
+    square of the displacements. Both have one entry per mode; collective if ``shapes`` is.
     """
     cells = surface.cells()
     steps, corners = max(2, cells.degree), cells.corners
@@ -78,19 +78,19 @@ def _waves(surface: Surface, shapes: Shapes) -> tuple[Floats, Floats]:
 
 
 def _squares(values: Complexes) -> Floats:
-    """Sums of squares for each edge of a cell and each mode."""
+    """Sum the squared magnitudes over cells, points and components; (edges, modes)."""
     return (np.abs(values) ** 2).sum(axis=(0, 2, 3))
 
 
 def _unresolved(phases: Floats, body: BodySpec) -> NDArray[np.bool_]:
-    """Which waves are too short for the elements of a body.
+    """Return a mask of the waves that are too short for the elements of a body.
 
-    The relative error of their frequency on uniform elements of degree p is, for small phi,
+    On uniform elements of degree p, the relative error of the frequency for small phi is
 
         1/2 (p! / (2 p)!)^2 phi^(2p) / (2 p + 1)      Lagrange elements (Ainsworth 2004)
         1/2 |B_2p| / (2 p)! phi^(2p)          smooth splines (Hughes, Reali & Sangalli 2008)
 
-    with the Bernoulli numbers B: phi^2 / 24 where p = 1, phi^4 / 1440 where p = 2, for both.
+    with the Bernoulli numbers B; both give phi^2 / 24 for p = 1 and phi^4 / 1440 for p = 2.
     """
     degree, twice = body.degree, 2 * body.degree
     shortest = _NYQUIST * pi * (1 if body.smooth else degree)

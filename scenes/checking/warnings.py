@@ -1,12 +1,12 @@
-"""What bodies and contacts must be read with, as far as they tell before anything is solved.
+"""Warnings about bodies and contacts that are known before the solve.
 
-A function for each kind of warning, in one of two lists. Those of waves are in
-:mod:`scenes.checking.resolution`, those of equilibria in :mod:`scenes.checking.equilibrium`, those
-of modes, their errors and the window in :mod:`cea.eigen.modes`.
+Each kind of warning has a function in one of two lists. Warnings about waves are in
+:mod:`scenes.checking.resolution`, about equilibria in :mod:`scenes.checking.equilibrium`, about
+modes, their errors and the window in :mod:`cea.eigen.modes`.
 
-What is probably not meant is told too: numbers of other units, bodies inside each other. Numbers
-are doubted as those of SI units. A scene with units = "other", or whose every E and rho is near one
-as in scenes without units, is left alone: its run says so once, among what it left out.
+Probable mistakes are reported too: numbers that are implausible in SI units, and overlapping
+bodies. Numbers are not checked if units = "other", or if every E and rho is near one, as in
+dimensionless scenes; the run then lists this check as skipped.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,29 +36,29 @@ Bodies = Mapping[str, Body]
 Warnings = Iterator[ResultWarning]
 
 _SOFTEST = 1e3
-"""E (N/m^2) below which a solid is softer than any that brakes, clutches or tyres are made of."""
+"""Young's modulus (N/m^2) below which a material is implausible, softer than rubber."""
 _HEAVIEST = 1e6
-"""rho (kg/m^3) beyond that of any matter on earth, fifty times that of platinum."""
+"""Density (kg/m^3) above which a material is implausible, fifty times that of platinum."""
 _SOUND = (50.0, 20e3)
-"""Speeds of sound sqrt(E / rho) (m/s) of solids: 52 of soft rubber (E 3e6 N/m^2, rho 1,100 kg/m^3),
-17,700 of diamond (1.1e12, 3,515)."""
+"""Plausible speeds of sound sqrt(E / rho) (m/s): 52 in soft rubber (E 3e6 N/m^2, rho 1,100 kg/m^3),
+17,700 in diamond (1.1e12, 3,515)."""
 _LENGTHS = (1e-5, 100.0)
-"""Length (m) of the longest side: from parts of micromachines to rails."""
+"""Plausible length (m) of the longest side of a body, from micromachines to rails."""
 _NEAR_ONE = (1e-3, 1e2)
-"""Range of E and rho in scenes without units."""
-_UNITS = "; a scene whose numbers are not in SI units says units = 'other'"
+"""Range of E and rho in which a scene is treated as dimensionless."""
+_UNITS = "; set units = 'other' if the numbers are not in SI units"
 _FLAT = 1e-12
-"""Volume of a simplex, relative to a cube about it, below which it is one of a collapsed cell."""
+"""Volume of a simplex, relative to its radius to the power dim, below which it is degenerate."""
 _SIMPLICES = {
     (2, 3): [[0, 1, 2]],
     (2, 4): [[0, 1, 2], [0, 2, 3]],
     (3, 4): [[0, 1, 2, 3]],
     (3, 8): [[0, 6, i, j] for i, j in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
 }
-"""Corners of the simplices of a cell by dimension and number of its points, in VTK order."""
+"""Corners of the simplices of a cell, by dimension and number of points of the cell (VTK order)."""
 _SURFACE_WAVES = 0.8
-"""Speed relative to shear waves from which rims may outrun surface waves: those of Rayleigh travel
-at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
+"""Speed, relative to shear waves, above which a rim may outrun surface waves: Rayleigh waves travel
+at 0.87 (nu = 0) to 0.96 (nu = 0.5), short waves of a mesh slightly slower."""
 _INCOMPRESSIBLE = {
     ("fe", 1): 0.45,
     ("fe", 2): 0.499,
@@ -66,20 +66,20 @@ _INCOMPRESSIBLE = {
     ("iga", 2): 0.495,
     ("iga", 3): 0.4999,
 }
-"""Poisson's ratio by backend and degree from which volumetric locking is to be expected.
+"""Poisson's ratio, by backend and degree, above which volumetric locking is expected.
 
-From there on a cantilever of length 4 and height 1, with four elements through its height, has
-errors of 2 % or more in its first three frequencies, and ten times those at nu = 0.3; of degree 1,
-where these are 3 %, three times. Lagrange elements of degree 3, and splines of degree 4, have not.
+Above it the first three frequencies of a cantilever of length 4 and height 1, with four elements
+over the height, have errors of 2 % or more, at least ten times those at nu = 0.3 (for degree 1,
+with 3 % there, three times). Lagrange elements of degree 3 and splines of degree 4 do not lock.
 """
 _UNCOVERED = 1e-3
-"""Part of side a that quadrature may lose."""
+"""Fraction of the area of side a without an opposite point above which a warning is given."""
 _CLOSED = 1e-2
-"""Distance of the sides, relative to the smaller mesh size, that curved meshes may leave."""
+"""Distance of the sides, relative to the smaller mesh size, attributed to curved meshes."""
 _ROUNDED = 1e-9
-"""Distance, relative to the mesh size, that is rounding of the numbers in a mesh file."""
+"""Distance, relative to the mesh size, attributed to rounding of the numbers in a mesh file."""
 _LOCKS = 500.0
-"""p h / E from which too many points lock: at 55 they did not, at 5500 errors were 20 %."""
+"""p h / E above which too many points cause locking: none at 55, errors of 20 % at 5500."""
 
 _COLLOCATION: dict[tuple[str, int], float] = {
     ("equal", 2): 600.0,  # abscissae of NURBS: 2 % at 60, 0.02 % at 6000
@@ -90,30 +90,31 @@ _COLLOCATION: dict[tuple[str, int], float] = {
     ("grid", 2): 30.0,  # 9 % at 6, 0.5 % at 60
     ("grid", 3): 600.0,  # 5 % at 11, 0.7 % at 1100
 }
-"""Relative stiffness of a contact below which points of a rule are too crude, by dimension."""
+"""Relative stiffness of a contact below which a collocation rule is too inaccurate, by rule and
+dimension; comments give errors at relative stiffnesses."""
 _LUMPED: dict[tuple[str, int], float] = {
     ("iga", 2): 0.0,  # 2 % at 0.6, 9 % at 6, 70 % at 60
     ("iga", 3): 0.0,
     ("fe", 2): 60.0,  # 0.5 % at 60, 11 % at 6000
     ("fe", 3): 3.0,  # 0.8 % at 1, modes lost at 11
 }
-"""The same above which lumping is too crude, by backend of side a and dimension.
+"""Relative stiffness above which lumping is too inaccurate, by backend of side a and dimension.
 
-Both are errors of growth rates in `uses.csv` of `cea study accuracy`, where p in units of each
-problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
+The errors in both tables are those of growth rates in `uses.csv` of `cea study accuracy`. There, p
+in the units of a problem is a relative stiffness of 6 in blocks and drum, and 1 in ring.
 """
 
 _PROJECTED = ("mortar", "bonded")
-"""Couplings that take no gaps at points."""
+"""Couplings that do not use gaps at points."""
 
 
 def warning(kind: str, sentence: str, **data: Any) -> ResultWarning:
-    """A warning whose sentence has its numbers filled in."""
+    """Return a warning with the data formatted into the sentence."""
     return ResultWarning(kind, sentence.format(**data), data)
 
 
 def warnings_of(scene: Scene, bodies: Bodies, contacts: Sequence[Contact]) -> Warnings:
-    """Warnings of the bodies and contacts of a scene; collective."""
+    """Yield the warnings about the bodies and contacts of a scene; collective."""
     for of_body in OF_BODIES:
         yield from of_body(scene, bodies)
     for name in scene.contacts:
@@ -123,18 +124,18 @@ def warnings_of(scene: Scene, bodies: Bodies, contacts: Sequence[Contact]) -> Wa
 
 
 def left_alone(scene: Scene) -> str:
-    """Why the numbers of a scene are none in SI units; "" where they are taken to be."""
+    """Return why the numbers of a scene are not in SI units; "" if they are assumed to be."""
     if scene.units == "other":
         return "units = 'other'"
     low, high = _NEAR_ONE
     materials = [body.material for body in scene.bodies.values()]
     numbers = [n for each in materials for n in (each.means[0], each.rho) if n is not None]
     near_one = all(low <= n <= high for n in numbers)
-    return "every E and rho is near one, as in scenes without units" if near_one else ""
+    return "every E and rho is near one, as in dimensionless scenes" if near_one else ""
 
 
 def doubtful_numbers(scene: Scene, _bodies: Bodies | None = None) -> Warnings:
-    """Materials that no solid has in SI units, and bodies that are too large or too small."""
+    """Warn of materials and sizes of bodies that are implausible in SI units."""
     doubt = "bodies.{body}.material.{field} = {value:g}: no solid has "
     for name, body in scene.bodies.items() if not left_alone(scene) else ():
         E, rho = body.material.means[0], body.material.rho
@@ -152,12 +153,12 @@ def doubtful_numbers(scene: Scene, _bodies: Bodies | None = None) -> Warnings:
             yield warning("doubtful-units", told, body=name, field=field, value=value)
         length = max(body.lengths)
         if not low <= length <= high:
-            told = f"bodies.{{body}} is {{length:.3g}} m long, not {low:g} to {high:g} m{_UNITS}"
+            told = f"bodies.{{body}} is {{length:.3g}} m long, expected {low:g} to {high:g}{_UNITS}"
             yield warning("doubtful-size", told, body=name, length=length)
 
 
 def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
-    """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
+    """Warn of overlapping bodies without a contact; collective."""
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
     names = dict.fromkeys(name for pair in pairs for name in pair)  # in one order on all ranks
@@ -178,7 +179,7 @@ def _middles_inside(one: StraightCells, other: StraightCells) -> int:
 
 
 def _inside(one: StraightCells, other: StraightCells) -> int:
-    """How many cells of one have their middle in straight cells of the other."""
+    """Count the cells of ``one`` whose midpoint is inside a straight cell of ``other``."""
     middles = one.points[one.cells].mean(axis=1)
     dim = middles.shape[1]
     simplices = other.cells[:, _SIMPLICES[dim, other.cells.shape[1]]].reshape(-1, dim + 1)
@@ -197,9 +198,9 @@ def _inside(one: StraightCells, other: StraightCells) -> int:
 
 
 def _volumetric_locking(scene: Scene, _bodies: Bodies) -> Warnings:
-    """Materials that keep their volume, in elements of a degree too low for them."""
-    told = "bodies.{body} is nearly incompressible (nu = {nu:g}); elements of degree {degree} are "
-    told += "too stiff from nu = {limit:g} on"
+    """Warn of nearly incompressible materials in elements of too low a degree."""
+    told = "bodies.{body} is nearly incompressible (nu = {nu:g}); elements of degree {degree} show "
+    told += "volumetric locking from nu = {limit:g}"
     for name, body in scene.bodies.items():
         kind, degree, nu = "iga" if body.smooth else "fe", body.degree, body.material.means[2]
         limit = _INCOMPRESSIBLE.get((kind, degree), inf)
@@ -209,8 +210,8 @@ def _volumetric_locking(scene: Scene, _bodies: Bodies) -> Warnings:
 
 
 def _nodes_left_out(scene: Scene, _bodies: Bodies) -> Warnings:
-    """Sets of nodes that hold more of a body than the faces that they are used for."""
-    told = "{nodes} nodes of {body}.{surface} make no face of the set and are left out"
+    """Warn of node sets with nodes that do not belong to a face of the set."""
+    told = "{nodes} nodes of {body}.{surface} do not belong to a face of the set and are left out"
     for body, spec in scene.bodies.items():
         if isinstance(spec.geometry, MeshFile):
             counts = spec.geometry.nodes_left_out(used_surfaces(scene, body))
@@ -219,7 +220,7 @@ def _nodes_left_out(scene: Scene, _bodies: Bodies) -> Warnings:
 
 
 def _centrifugal_stresses(scene: Scene, _bodies: Bodies) -> Warnings:
-    """Small motions that feel centrifugal forces, and not the stresses that hold these."""
+    """Warn of convective stiffness without the geometric stiffness of centrifugal stresses."""
     told = "bodies.{body} has the convective stiffness of its rotation without the geometric "
     told += "stiffness of its centrifugal stresses: lambda is uncertain by (rate / |lambda|)^2"
     for name, body in scene.bodies.items() if scene.analysis.kind == "cea" else ():
@@ -229,13 +230,13 @@ def _centrifugal_stresses(scene: Scene, _bodies: Bodies) -> Warnings:
 
 
 def _faster_than_waves(scene: Scene, bodies: Bodies) -> Warnings:
-    """Bodies with convective stiffness whose rim may outrun their surface waves; collective.
+    """Warn of bodies with convective stiffness that may be faster than surface waves; collective.
 
-    Beyond that speed K - Omega^2 Z of a mesh has short waves of negative energy, which grow with
-    its rounding and with the waves that it does not resolve, where the exact body is stable.
+    Above that speed, K - Omega^2 Z of a mesh has short waves of negative energy. Rounding and
+    unresolved waves make them grow, although the exact body is stable.
     """
-    told = "bodies.{body} moves at up to {speed:.3g} m/s, near the speed of its surface waves or "
-    told += "above (shear waves {wave_speed:.3g} m/s): short waves of its mesh may grow"
+    told = "bodies.{body} moves at up to {speed:.3g} m/s, close to or above the speed of its "
+    told += "surface waves (shear waves {wave_speed:.3g} m/s): short waves of its mesh may grow"
     for name, body in bodies.items():
         rotation = scene.bodies[name].rotation
         if rotation is None or not rotation.convective_stiffness or body.material.rho is None:
@@ -264,11 +265,11 @@ OF_BODIES: list[Callable[[Scene, Bodies], Warnings]] = [
     _centrifugal_stresses,
     _faster_than_waves,
 ]
-"""Warnings of bodies; collective."""
+"""Functions that yield the warnings about bodies; collective."""
 
 
 def _against_rotation(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
-    """Friction that pushes side a along its motion over side b, as bodies rotate."""
+    """Warn of friction on side a in the direction of its velocity relative to side b."""
     spec, half = scene.contacts[name], halves[0]
     slides = spec.mu != 0 or spec.sliding is not None
     if half.friction is None or not slides or scene.analysis.kind != "cea":
@@ -279,24 +280,24 @@ def _against_rotation(scene: Scene, name: str, halves: Sequence[Contact]) -> War
     power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
     if power > 0:
         told = "friction_direction_on_a of contacts.{contact} is along the velocity of side a "
-        told += "relative to side b as the bodies rotate; friction acts against it"
+        told += "relative to side b due to the rotations; friction acts against that velocity"
         mean = power / float(points.weight.sum())
         yield warning("against-rotation", told, contact=name, mean_velocity=mean)
 
 
 def _gap_closed(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
-    """Sides that do not touch and are taken to be in contact."""
+    """Warn of sides that are apart or overlap and are treated as touching."""
     interfaces = [contact.interface for contact in halves]
     farthest = max(interface.largest_distance for interface in interfaces)
     size = min(min(i.a.mesh_size, i.b.mesh_size) for i in interfaces)
     if scene.contacts[name].c_n is None and farthest > _CLOSED * size:
-        told = "the sides of contacts.{contact} are up to {distance:.3g} m apart, or as far inside "
-        told += "each other, and are taken to touch"
+        told = "the sides of contacts.{contact} are up to {distance:.3g} m apart, or inside each "
+        told += "other by as much, and are treated as touching"
         yield warning("gap-closed", told, contact=name, distance=farthest, mesh_size=size)
 
 
 def _gaps_as_zero(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
-    """Initial gaps that are not above the error of the geometry of mesh files; collective."""
+    """Warn of initial gaps below the geometry error of mesh files; collective."""
     told = (
         "initial gaps up to {gap:.2g} m, on {fraction:.3g} of the area of contacts.{half}, count "
     )
@@ -317,19 +318,19 @@ def _gaps_as_zero(scene: Scene, name: str, halves: Sequence[Contact]) -> Warning
 
 
 def _partly_uncovered(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
-    """A part of side a that found nothing; the larger side of a full pass is meant to."""
+    """Warn of a part of side a without opposite points; in a full pass, of the smaller side."""
     interface = halves[0].interface
     if scene.contacts[name].full_pass:
         interface = min((c.interface for c in halves), key=lambda each: each.a.area)
     fraction = 1 - float(interface.points.weight.sum()) / interface.a.area
     if fraction > _UNCOVERED:
-        told = "{fraction:.2%} of {side} in contacts.{contact} find no other side"
+        told = "{fraction:.2%} of {side} in contacts.{contact} has no opposite point"
         side = interface.a.name
         yield warning("partly-uncovered", told, contact=name, fraction=fraction, side=side)
 
 
 def _sampled(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
-    """Points too few for the traces of a side; or too many, at a stiffness at which they lock."""
+    """Warn of too few points for the traces of a side, or of locking by too many points."""
     half, spec = halves[0], scene.contacts[name]
     if spec.formulation.coupling in _PROJECTED:
         return
@@ -341,8 +342,8 @@ def _sampled(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     points, most = sum(count.points for count in counts), max(functions.values())
     about = {"contact": name, "points": points, "functions": functions}
     if points < most:
-        told = "{points} points of contacts.{contact} cannot resist all gaps of its traces, which "
-        told += "have as many functions by body: {functions}"
+        told = "{points} points of contacts.{contact} are fewer than the trace functions of its "
+        told += "sides, by body {functions}: some gaps have no stiffness"
         yield warning("under-sampled", told, **about)
     if half.awaits_state:
         return
@@ -351,13 +352,13 @@ def _sampled(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     yields = (s.mesh_size / scene.bodies[body].material.means[0] for body, s in sides)
     stiffness = mean_stiffness(spec, halves) * max(yields)
     if points > most and stiffness > _LOCKS and not nested(half.interface):
-        told = "{points} points of contacts.{contact} lock its trace functions, by body "
-        told += "{functions}; mortar does not"
+        told = "{points} points of contacts.{contact} over-constrain its trace functions, by body "
+        told += "{functions}, which locks; mortar does not"
         yield warning("over-constrained", told, **about, stiffness=stiffness)
 
 
 def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
-    """A rule that the study of accuracy found too crude at such a stiffness of the contact."""
+    """Warn of a point rule that is too inaccurate at the stiffness of the contact."""
     half, spec = halves[0], scene.contacts[name]
     coupling, of_modes = spec.formulation.coupling, scene.analysis.kind == "cea"
     if coupling in _PROJECTED or half.awaits_state or not spec.mu or not of_modes:
@@ -365,7 +366,7 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     stiffness, limit = relative_stiffness(scene, spec, halves), limit_of(scene, spec)
     if (stiffness > limit) if coupling == "lumped" else (stiffness < limit):
         fine = "below" if coupling == "lumped" else "above"
-        told = "{rule} in contacts.{contact} is too crude for growth rates at "
+        told = "{rule} in contacts.{contact} is too inaccurate for growth rates at "
         if 0 < limit < inf:
             told += f"p L / E = {{stiffness:.2g}}: it is not {fine} {{limit:g}}"
         else:
@@ -375,7 +376,7 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
 
 
 def limit_of(scene: Scene, spec: ContactSpec) -> float:
-    """Relative stiffness below which a rule of points is too crude, above which lumping is."""
+    """Return the relative stiffness below which collocation, or above which lumping, is poor."""
     side, rule = scene.bodies[spec.a.split(".")[0]], spec.formulation
     if rule.coupling == "lumped":
         return _LUMPED[side.backend, side.dim]
@@ -387,9 +388,9 @@ def limit_of(scene: Scene, spec: ContactSpec) -> float:
 
 
 def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact]) -> float:
-    """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
+    """Return p (L_a / E_a + L_b / E_b), the ratio of contact stiffness to that of the bodies.
 
-    L is the least length of a body, or the width of the contact where that is less; p the mean
+    L is the smaller of the least length of a body and the width of the contact; p is the mean
     contact stiffness (N/m^3).
     """
     half, compliance = halves[0], 0.0
@@ -401,7 +402,7 @@ def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact
 
 
 def mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
-    """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
+    """Return the mean contact stiffness p (N/m^3), open parts included; with c_n, while sliding."""
     points = halves[0].interface.points
     area = float(points.weight.sum())
     if spec.c_n is not None:
@@ -419,4 +420,4 @@ OF_CONTACTS: list[Callable[[Scene, str, Sequence[Contact]], Warnings]] = [
     _sampled,
     point_rule,
 ]
-"""Warnings of each contact, by its name and half passes; collective."""
+"""Functions that yield the warnings about a contact from its name and half passes; collective."""

@@ -1,1 +1,1 @@
-"""Scenes and results written for other programs."""
+"""Export of scenes and results for other programs."""

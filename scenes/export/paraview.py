@@ -1,4 +1,4 @@
-"""Modes, static displacements and load steps of a run as files for ParaView."""
+"""Export of modes, static displacements and load steps to ParaView."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,37 +22,36 @@ from scenes.results.shapes import displacements
 
 
 class _Frame(NamedTuple):
-    """What is shown at one time."""
+    """One time of a ParaView collection."""
 
     time: float
-    stem: str  # begin of the names of its files
+    stem: str  # prefix of its file names
     facts: Mapping[str, float]
 
 
 type _Fields = Mapping[str, Any]
-"""Fields of one grid by name: an array of all frames, the last axis that of the frames."""
+"""Fields of one grid by name: arrays whose last axis is the frame."""
 
 
 def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     """Write modes, or the displacement of a static analysis, as files for ParaView.
 
-    Points of the bodies bear ``displacement`` (m); those of the contacts ``normal``, ``weight``
-    (m^2) and ``gap`` (m, penetration positive). Of modes displacements and gaps are complex: names
-    end in ``_real`` and ``_imag``. In a static analysis points bear ``pressure`` (N/m^2) where a
-    penalty makes one of the gap. Where a state of steady sliding was sought they bear its
-    ``contact pressure`` (N/m^2), ``closure`` (m) and ``contact stiffness`` (N/m^3) too, the same
-    beside every mode.
+    Bodies have ``displacement`` (m); contact points have ``normal``, ``weight`` (m^2) and ``gap``
+    (m, penetration positive). Displacements and gaps of modes are complex: their names end in
+    ``_real`` and ``_imag``. Contact points of a static analysis have ``pressure`` (N/m^2) if a
+    penalty relates it to the gap. With steady sliding they have ``contact pressure`` (N/m^2),
+    ``closure`` (m) and ``contact stiffness`` (N/m^3) of that state, repeated for every mode.
 
     Parameters
     ----------
     result
-        A run; collective, rank 0 writes.
+        Result of a run; collective, rank 0 writes.
     count
-        Number of modes at most: the most unstable ones, then the others by rising frequency.
+        Largest number of modes: the most unstable ones, then others in order of frequency.
     out
-        Folder for ``modes.pvd`` (``displacement.pvd`` of a static analysis) with the bodies as
-        parts, ``contacts.pvd`` with the contact points where there are any, and beside each a
-        folder of the ``.vtu`` files it lists. Time is the number of the mode.
+        Folder for ``modes.pvd`` (``displacement.pvd`` for a static analysis) with the bodies as
+        parts, ``contacts.pvd`` with the contact points if there are any, and a folder of ``.vtu``
+        files for each. Time is the number of the mode.
 
     Returns
     -------
@@ -93,11 +92,11 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
 
 
 def write_load_steps(result: Result, out: Path) -> list[Path]:
-    """Write the equilibria at all load steps, cut ones too, as ``load_steps.pvd``; collective.
+    """Write the equilibria of all load steps, with cut ones, to ``load_steps.pvd``; collective.
 
-    Points of the bodies bear ``displacement`` (m); those of contacts with a law ``contact
-    pressure`` (N/m^2), ``closure`` (m) and ``contact stiffness`` (N/m^3). Time is the part of the
-    load. The list of files is empty where the scene asks for no steps.
+    Bodies have ``displacement`` (m); points of contacts with a law have ``contact pressure``
+    (N/m^2), ``closure`` (m) and ``contact stiffness`` (N/m^3). Time is the load factor. Returns an
+    empty list if the scene has no load steps.
     """
     path = result.steady.path if result.steady is not None else ()
     steps = [(step.factor, step.state) for step in path if step.state is not None]
@@ -131,7 +130,7 @@ def _mode_frame(result: Result, mode: int) -> _Frame:
 def _write(
     file: Path, result: Result, frames: list[_Frame], grids: Mapping[str, tuple[Any, _Fields]]
 ) -> Path:
-    """Write a ``.pvd`` file, and beside it a folder of a grid a frame, on rank 0."""
+    """Write a ``.pvd`` file and a folder with a file for each grid and frame, on rank 0."""
     if result.comm.rank:
         return file
     root = Element("VTKFile", type="Collection", version="1.0")
@@ -143,7 +142,7 @@ def _write(
                     grid.field_data[fact] = [value]
                 for field, values in fields.items():
                     grid.point_data.update(_parts(field, values[..., i]))
-                # Names of bodies and contacts are free text.
+                # Names of bodies and contacts may contain any characters.
                 name = f"{frame.stem}_{quote(label, safe=' ,')}.vtu"
                 _write_grid(grid, folder / name)
                 place = {"timestep": str(frame.time), "part": str(part)}
@@ -153,7 +152,7 @@ def _write(
 
 
 def _parts(name: str, values: Any) -> dict[str, Floats]:
-    """Real data by name, vectors in space; of complex ones both parts."""
+    """Return real fields by name, with 3D vectors and complex fields as two parts."""
     values = in_space(values) if values.ndim > 1 else values
     if not np.iscomplexobj(values):
         return {name: values}
@@ -161,7 +160,7 @@ def _parts(name: str, values: Any) -> dict[str, Floats]:
 
 
 def _write_grid(grid: Any, file: Path) -> None:
-    """Write a grid whole or not at all: VTK itself only warns of a full disk."""
+    """Write a grid atomically; VTK itself only warns if the disk is full."""
     writer = vtkXMLUnstructuredGridWriter()
     writer.SetInputData(grid)
     writer.SetDataModeToBinary()
@@ -171,7 +170,7 @@ def _write_grid(grid: Any, file: Path) -> None:
 
 
 def _points(contact: Contact) -> Any:
-    """Points of a contact."""
+    """Return the grid of the points of a contact, with normals and weights."""
     points = contact.interface.points
     grid = pyvista.PolyData(in_space(points.x)).cast_to_unstructured_grid()
     grid.point_data["normal"] = in_space(points.normal)
@@ -180,13 +179,13 @@ def _points(contact: Contact) -> Any:
 
 
 def _carried(state: ContactState) -> dict[str, Floats]:
-    """What a contact carries at its points in steady sliding."""
+    """Return the fields of a contact in steady sliding at its points."""
     carried = {"contact pressure": state.pressure, "closure": state.closure}
     return carried | {"contact stiffness": state.stiffness}
 
 
 def _gaps(result: Result, contact: Contact, modes: list[int]) -> Any:
-    """Gaps (m) at all points of a contact, (points, solutions), on every rank."""
+    """Return the gaps (m) at all points of a contact, (points, solutions), on every rank."""
     normal = contact.interface.local_points.normal
     if result.spectrum is None:
         sides = (contact.a, contact.b)
@@ -199,7 +198,7 @@ def _gaps(result: Result, contact: Contact, modes: list[int]) -> Any:
 
 
 def _static_pressure(result: Result, contact: Contact) -> dict[str, Any]:
-    """Pressure (N/m^2) at all points of a contact of a known stiffness, (points, 1)."""
+    """Return the pressure (N/m^2) at all points of a contact of given stiffness, (points, 1)."""
     if result.spectrum is not None or not (contact.has_pressure and contact.law.linear):
         return {}
     pressure = contact.pressure(result.displacement)

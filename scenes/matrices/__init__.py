@@ -1,1 +1,1 @@
-"""Matrices from files, and the pencil that a scene of matrices makes of them."""
+"""Matrices read from files, and the pencil of a scene of matrices."""

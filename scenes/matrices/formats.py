@@ -1,8 +1,8 @@
-"""A program: the matrices of a file of another program, written as arrays (.npz).
+"""Script that reads the matrices of a file of another program and writes them as arrays (.npz).
 
-It is run apart from this one (:mod:`meshes.files.sandbox`), since a broken file may crash a reader.
-Of each matrix, by its name in a MATLAB file, "" in all others, it writes rows, columns and entries,
-and the shape; of Abaqus' matrices with labels the node and degree of freedom of each row.
+It runs in a separate process (:mod:`meshes.files.sandbox`), since a broken file may crash a reader.
+It writes shape, rows, columns and entries of each matrix by name, which is "" except for MATLAB
+files; for Abaqus matrices with labels also the node and degree of freedom of each row.
 """
 
 import gzip
@@ -19,11 +19,11 @@ _HDF, _NEWER = b"\x89HDF", b"MATLAB 7.3"
 _PETSC_MATRIX = 1211216
 """First number of a matrix in PETSc's binary format."""
 _COORDINATES, _LABELS = 3, 5
-"""Numbers in a line of Abaqus."""
+"""Numbers per line of the two Abaqus formats."""
 
 
 def main(file: str, arrays: str) -> None:
-    """Read a file by its ending."""
+    """Read a file in the format given by its extension."""
     try:
         labels, name = None, file.lower()
         if name.endswith(".mat"):
@@ -45,12 +45,12 @@ def main(file: str, arrays: str) -> None:
             parts[f"{each} row"], parts[f"{each} col"] = whole.coords
             parts[f"{each} data"] = whole.data
         np.savez(arrays, **parts)
-    except Exception as error:  # a reader raises anything where a file is broken
+    except Exception as error:  # readers raise various errors for broken files
         sys.exit(str(error).splitlines()[0] if str(error) else type(error).__name__)
 
 
 def _matlab(file: str) -> dict[str, Any]:
-    """Matrices by name; tables, texts and arrays of more dimensions are left out."""
+    """Return matrices by name; skip tables, texts and arrays of more dimensions."""
     with Path(file).open("rb") as stream:
         begin = stream.read(len(_NEWER))
     if begin.startswith(_HDF) or begin == _NEWER:
@@ -71,7 +71,7 @@ def _matrix_market(file: str) -> Any:
 
 
 def _abaqus(content: bytes) -> tuple[Any, Any]:
-    """A matrix of `*MATRIX GENERATE`, and labels of its rows: lines of numbers without a header.
+    """Return a matrix of `*MATRIX GENERATE` and the labels of its rows; the file has no header.
 
     Lines of three numbers are row, column and entry (FORMAT=COORDINATE); lines of five are node and
     degree of freedom of the row, the same of the column, and the entry (MATRIX INPUT, LABELS). The
@@ -99,7 +99,7 @@ def _abaqus(content: bytes) -> tuple[Any, Any]:
 
 
 def _petsc(content: bytes) -> Any:
-    """PETSc's AIJ matrices: sizes, entries of each row, columns, values; from the highest byte."""
+    """Read a PETSc AIJ matrix: big-endian sizes, entries per row, columns, values; or dense."""
     for whole in (np.dtype(">i4"), np.dtype(">i8")):
         head = np.frombuffer(content[: 4 * whole.itemsize], whole)
         if len(head) == 4 and head[0] == _PETSC_MATRIX:

@@ -1,4 +1,4 @@
-"""The pencil of a scene of matrices: files read once, on rank 0, and shared out by rows."""
+"""The pencil of a scene of matrices: files are read on rank 0 and distributed by rows."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -22,24 +22,24 @@ _ROUNDING = np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Piece:
-    """A matrix as it was read."""
+    """A matrix read from a file."""
 
     symmetry: str  # symmetric, symmetric to rounding, skew, or general
     asymmetry: float
     size: int
-    entries: int  # that are not zero
-    # matrices whose sum it is, each with whether it is symmetric to the last bit: PETSc AIJ; as
-    # they are read, of scipy, and None on other ranks than the first
+    entries: int  # nonzeros
+    # summands of the matrix, each with whether it is exactly symmetric: PETSc AIJ, but scipy
+    # matrices on rank 0 and None on other ranks before they are distributed
     parts: tuple[tuple[Any, bool], ...]
 
     def plain(self) -> dict[str, Any]:
-        """What is told of it, as plain data."""
+        """Return its size, entries and symmetry as plain data."""
         counts = {"size": self.size, "entries": self.entries}
         return {**counts, "symmetry": self.symmetry, "asymmetry": self.asymmetry}
 
 
 def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Piece]:
-    """Every matrix of a scene, distributed; collective."""
+    """Read and distribute the matrices of a scene; collective."""
     read = made_on_first(comm, lambda: _read(scene)) or {}
     bare = {n: replace(p, parts=tuple((None, own) for _, own in p.parts)) for n, p in read.items()}
     pieces = {}
@@ -51,7 +51,7 @@ def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Pie
 
 
 def _read(scene: MatrixScene) -> dict[str, Piece]:
-    """Every matrix, its parts as scipy has them."""
+    """Read all matrices, with their parts as scipy matrices."""
     read: dict[str, Piece] = {}
     first: tuple[str, int, Ints | None] | None = None
     for name in scene.files:
@@ -60,7 +60,7 @@ def _read(scene: MatrixScene) -> dict[str, Piece]:
         size = matrix.shape[0]
         first = first or (name, size, labels)
         if size != first[1]:
-            allowed = f"{first[1]} rows, as files.{first[0]} has them"
+            allowed = f"{first[1]} rows, like files.{first[0]}"
             raise InputError(f"files.{name}", f"{size} rows in {scene.files[name]}", allowed)
         if not np.array_equal(labels, first[2]):  # type: ignore[arg-type]  # None equals None
             allowed = f"rows of the same nodes and degrees of freedom as files.{first[0]}"
@@ -69,15 +69,15 @@ def _read(scene: MatrixScene) -> dict[str, Piece]:
             matrix = _of_half(scene, name, matrix, half)
         symmetry, asymmetry, parts = parts_of(matrix)
         if name in scene.mass and not symmetry.startswith("symmetric"):
-            value = f"{symmetry}, by {asymmetry:.1e} of its entries"
-            raise InputError(f"files.{name}", value, "symmetric, for it is of the mass")
+            value = f"{symmetry}, relative asymmetry {asymmetry:.1e} of entries"
+            raise InputError(f"files.{name}", value, "symmetric, because it is part of the mass")
         entries = sum(part.nnz for part, _ in parts)
         read[name] = Piece(symmetry, asymmetry, size, entries, tuple(parts))
     return read
 
 
 def _of_half(scene: MatrixScene, name: str, matrix: csr_array, half: str) -> csr_array:
-    """The matrix that a file of one half stands for: only the scene can tell."""
+    """Return the matrix of a file with one triangle, mirrored or not as the scene specifies."""
     symmetric = (scene.symmetric or {}).get(name)
     if symmetric is None:
         value = f"{scene.files[name]}: entries in its {half} alone"
@@ -90,7 +90,7 @@ def _of_half(scene: MatrixScene, name: str, matrix: csr_array, half: str) -> csr
 
 
 def _shared_out(matrix: csr_array | None, size: int, comm: Any) -> Mat:
-    """A square matrix of rank 0 on all ranks, as PETSc AIJ; collective."""
+    """Distribute a square matrix of rank 0 as PETSc AIJ; collective."""
     first, last = local_rows(size, comm)
     ends = comm.gather((first, last))
     blocks = None if matrix is None else [matrix[a:b] for a, b in ends]
@@ -98,7 +98,7 @@ def _shared_out(matrix: csr_array | None, size: int, comm: Any) -> Mat:
 
 
 def matrix_pencil(scene: MatrixScene, pieces: Mapping[str, Piece]) -> Pencil:
-    """The pencil of a scene; coefficients that are zero are left out."""
+    """Return the pencil of a scene, with a zero stiffness term if there is no symmetric one."""
     terms = [
         Term(role, matrix, coefficient, symmetric)
         for role in ROLES
@@ -113,10 +113,10 @@ def matrix_pencil(scene: MatrixScene, pieces: Mapping[str, Piece]) -> Pencil:
 
 
 def check_mass(mass: Any, names: str) -> None:
-    """Refuse a mass that is not positive definite, by the inertia of M - n u diag(M).
+    """Raise an InputError if M is not positive definite, from the inertia of M - n u diag(M).
 
-    n u diag(M), n rows of rounding u, tells a singular M from a regular one whatever the units of
-    each unknown.
+    The shift with n rows and unit roundoff u detects a singular M independently of the units of
+    the unknowns.
     """
     allowed = "a mass that is positive definite: condense unknowns without mass"
     if mass is None:

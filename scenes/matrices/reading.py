@@ -1,7 +1,7 @@
 """Matrices read from files of other programs: MATLAB, Matrix Market, Abaqus, PETSc, scipy.
 
-Whatever a file holds, the result is a real square sparse matrix of finite numbers, or a refusal
-that names the file and says what is allowed. What a matrix is the sum of tells how symmetric it is.
+The result is always a real square sparse matrix of finite numbers, or an InputError. Matrices are
+split into a symmetric and a remaining part.
 """
 
 from pathlib import Path
@@ -15,31 +15,31 @@ from cea.errors import InputError
 from meshes.files.sandbox import arrays_of
 
 LARGEST_SIZE = 50_000_000
-"""Rows of a matrix at most: more is a broken header, or nothing that a run could solve."""
+"""Largest number of rows; more indicates a broken header."""
 _MOST_ENTRIES = 2**31 - 1
-"""What indices of 32 bits can count."""
+"""Largest number of entries, the limit of 32-bit indices."""
 _PROGRAM = Path(__file__).with_name("formats.py")
 _ROUNDING = 16 * np.finfo(float).eps
-"""Difference of an entry and its mirror image that rounding explains, relative to their size."""
+"""Relative difference of an entry and its mirror image below which it is treated as rounding."""
 
 type Parts = list[tuple[csr_array, bool]]
-"""Matrices whose sum is meant, each with whether it is symmetric to the last bit."""
+"""Summands of a matrix, each with whether it is exactly symmetric."""
 
 
 def read_matrix(
     file: str | Path, variable: str | None = None, *, field: str = "file"
 ) -> tuple[csr_array, Ints | None]:
-    """Read a matrix, and the node and degree of freedom of each row, (n, 2), where a file has them.
+    """Read a matrix, and the node and degree of freedom of each row, (n, 2), if the file has them.
 
-    ``.mat``: MATLAB, versions 5 to 7.2, the only matrix there or that of a variable. ``.mtx``,
-    ``.mtx.gz``: Matrix Market, or Abaqus where there is no header. ``.npz``: a sparse matrix of
-    scipy. Any other ending: PETSc's binary format, indices of 32 or 64 bits. Entries are summed and
-    in order, without stored zeros. Refusals call the file by the field.
+    ``.mat``: MATLAB, versions 5 to 7.2, its only matrix or the named variable. ``.mtx``,
+    ``.mtx.gz``: Matrix Market, or Abaqus if there is no header. ``.npz``: a sparse matrix of scipy.
+    Other extensions: PETSc's binary format with 32- or 64-bit indices. Duplicate entries are
+    summed, entries are sorted, and zeros are removed. An InputError names ``field``.
     """
     path, shown = Path(file), f"{file}:{variable}" if variable else str(file)
     try:
         if not path.is_file() or not path.stat().st_size:
-            raise InputError(field, shown, "a file that is there and not empty")
+            raise InputError(field, shown, "an existing file that is not empty")
         arrays = arrays_of(_PROGRAM, path)
         labels = arrays.pop("labels", None)
         names = sorted({entry.rpartition(" ")[0] for entry in arrays})
@@ -47,7 +47,7 @@ def read_matrix(
             told = ", ".join(names) or "none"
             raise InputError(field, shown, f"one matrix, or FILE:VARIABLE; the matrices are {told}")
         if variable is not None and variable not in names:
-            told = ", ".join(filter(None, names)) or "none, which only .mat files have"
+            told = ", ".join(filter(None, names)) or "none: only .mat files have variables"
             raise InputError(field, shown, f"a variable among {told}")
         matrix = _checked(arrays, names[0] if variable is None else variable)
     except InputError as error:
@@ -60,7 +60,7 @@ def read_matrix(
 
 
 def _checked(arrays: dict[str, Any], name: str) -> csr_array:
-    """A matrix of real finite numbers that are not all zero."""
+    """Return a matrix of the arrays; raise an InputError unless it is real, finite and nonzero."""
     data, row, col, shape = (arrays[f"{name} {part}"] for part in ("data", "row", "col", "shape"))
     rows, columns = (int(n) for n in shape)
     for wrong, allowed in (
@@ -82,10 +82,10 @@ def _checked(arrays: dict[str, Any], name: str) -> csr_array:
 
 
 def half_of(matrix: csr_array) -> str | None:
-    """Which half of a symmetric matrix this may be: no entry beside the diagonal has its mirror.
+    """Return which half of a symmetric matrix this may be: no off-diagonal entry is mirrored.
 
-    None where one has, of a diagonal matrix, and where the diagonal is empty, as of friction forces
-    along one direction from pressures along another.
+    Return None if one has, for a diagonal matrix, and for an empty diagonal, e.g. that of friction
+    forces along one direction due to pressures along another.
     """
     if not matrix.diagonal().any():
         return None
@@ -100,18 +100,18 @@ def half_of(matrix: csr_array) -> str | None:
 
 
 def mirrored(half: csr_array) -> csr_array:
-    """The symmetric matrix of which one half is given."""
+    """Return the symmetric matrix with the given half."""
     return csr_array(half + half.T - diags_array(half.diagonal()))
 
 
 def parts_of(matrix: csr_array) -> tuple[str, float, Parts]:
-    """How symmetric a square matrix is, its asymmetry, and what it is the sum of.
+    """Return the symmetry of a square matrix, its asymmetry, and its summands.
 
-    It is ``symmetric``, ``symmetric to rounding``, and then taken as the mean with its transpose,
-    ``skew`` or ``general``: then its parts are the entries that equal their mirror image, and the
-    others, and no bit is changed. The asymmetry is the largest difference of an entry and its
-    mirror image, relative to their size: the larger of both, or the mean of the diagonal entries of
-    their row and column, sqrt(abs(a_ii a_jj)), which scaling of unknowns leaves alone.
+    The symmetry is ``symmetric``, ``symmetric to rounding`` (the part is then the mean with the
+    transpose), ``skew`` or ``general`` (the parts are then the entries that equal their mirror
+    image and the others, unchanged). The asymmetry is the largest difference of an entry and its
+    mirror image, relative to the larger of both, or to sqrt(abs(a_ii a_jj)) if that is larger; this
+    does not depend on the scaling of unknowns.
     """
     transpose = matrix.T.tocsr()
     difference = csr_array(matrix - transpose)

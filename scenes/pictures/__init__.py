@@ -1,1 +1,1 @@
-"""Bodies and contacts as grids of pyvista, and what is drawn of them."""
+"""Grids of bodies and contacts for pyvista, and pictures of modes and scenes."""

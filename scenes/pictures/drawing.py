@@ -15,27 +15,27 @@ _WINDOW = (1500, 900)
 DEFLECTION = 0.05
 """Largest deflection drawn, relative to the diagonal of the scene."""
 SUBDIVISIONS = 2
-"""Times that edges of curved cells are halved in pictures."""
+"""Number of subdivisions of curved cells in pictures."""
 _STEEP = 0.999
-"""Upward part of a view from which z no longer tells what is upright."""
+"""z component of the view direction above which y is used as the upright direction."""
 
 
 def png(image: Image.Image) -> bytes:
-    """An image as the content of a file."""
+    """Return an image as the content of a PNG file."""
     stream = BytesIO()
     image.save(stream, format="png")
     return stream.getvalue()
 
 
 def draw_mode(surfaces: Sequence[Any], title: str) -> Image.Image:
-    """A mode, from the outsides of bodies whose points bear ``real`` and ``imaginary`` parts."""
+    """Draw a mode; points of the surfaces have displacements ``real`` and ``imaginary``."""
     shapes = [s.point_data["real"] + 1j * s.point_data["imaginary"] for s in surfaces]
     turned, largest = largest_deflection(np.concatenate(shapes))
     at_rest = [np.array(surface.points) for surface in surfaces]
     size = float(np.linalg.norm(np.ptp(np.concatenate(at_rest), axis=0)))
     ends = np.cumsum([len(shape) for shape in shapes])[:-1]
     drawn = np.split(DEFLECTION * size * turned.real / largest, ends)
-    # Off screen, VTK looks for a display, fails, and says so before it goes on without one.
+    # VTK warns that there is no display before it renders off screen.
     with pyvista.vtk_verbosity("off"):
         plotter = pyvista.Plotter(off_screen=True, window_size=list(_WINDOW))
         plotter.set_background("white")
@@ -68,11 +68,11 @@ def draw_mode(surfaces: Sequence[Any], title: str) -> Image.Image:
 
 
 def largest_deflection(shape: Complexes) -> tuple[Complexes, float]:
-    """Displacement turned to the phase in which some point deflects most, and that deflection.
+    """Return the mode rotated to the phase of its largest deflection, and that deflection.
 
-    abs(Re(u e^(i phi)))^2 = (abs(u)^2 + Re(u.u e^(2 i phi))) / 2 is largest at a point where
-    phi = -arg(u.u) / 2. Of the two signs, the one that makes the largest component positive. The
-    real part of the displacements times e^(i phi), (n, dim), is that at the phase.
+    abs(Re(u e^(i phi)))^2 = (abs(u)^2 + Re(u.u e^(2 i phi))) / 2 is largest for
+    phi = -arg(u.u) / 2 at a point. The sign is chosen such that the largest component there is
+    positive. The real part of the returned displacements, (n, dim), is that at this phase.
     """
     square = np.einsum("ij,ij->i", shape, shape)
     deflection = np.sqrt((np.einsum("ij,ij->i", shape.conj(), shape).real + np.abs(square)) / 2)
@@ -83,7 +83,7 @@ def largest_deflection(shape: Complexes) -> tuple[Complexes, float]:
 
 
 def bar(title: str, form: str) -> dict[str, Any]:
-    """The bar that tells what colours mean, below a picture."""
+    """Return the options of a colour bar below a picture."""
     return {
         "title": f"{title}\n",
         "fmt": form,
@@ -100,7 +100,7 @@ def bar(title: str, form: str) -> dict[str, Any]:
 
 
 def view_of(bodies: Sequence[Floats]) -> Floats:
-    """Unit vector towards the camera: above the side of the scene where its smallest body sits."""
+    """Return the unit vector towards the camera, on the side of the smallest body."""
     smallest = min(bodies, key=lambda points: float(np.prod(np.ptp(points, axis=0) + 1e-12)))
     if not np.ptp(np.concatenate(list(bodies))[:, 2:]):  # in the plane
         return np.array([0.0, 0.0, 1.0])
@@ -114,7 +114,7 @@ def view_of(bodies: Sequence[Floats]) -> Floats:
 
 
 def aim(camera: Any, view: Floats, points: Floats, window: tuple[int, int]) -> None:
-    """Fill the middle of a window with points, seen along a direction from far away."""
+    """Set a parallel projection along ``view`` that fits the points into the window."""
     upright = np.array([0.0, 1.0, 0.0]) if abs(view[2]) > _STEEP else np.array([0.0, 0.0, 1.0])
     right = np.cross(upright, view)
     right /= np.linalg.norm(right)
@@ -122,7 +122,7 @@ def aim(camera: Any, view: Floats, points: Floats, window: tuple[int, int]) -> N
     seen = points @ axes.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     width, height, depth = high - low
-    # Room above for the title and below for the bar of colours.
+    # Space above for the title and below for the colour bar.
     scale = 0.5 * max(height / 0.72, width * window[1] / window[0] / 0.9)
     focus = axes.T @ ((low + high) / 2 - [0.0, 0.06 * scale, 0.0])
     camera.enable_parallel_projection()

@@ -1,7 +1,7 @@
-"""Bodies on their true cells as VTK has them, and their outsides in triangles.
+"""VTK grids of bodies, and triangulations of their outer surfaces.
 
-Lagrange elements become VTK Lagrange cells, knot spans VTK rational Bezier cells: nothing is
-resampled.
+Lagrange elements become VTK Lagrange cells and knot spans VTK rational Bezier cells, without
+resampling.
 """
 
 from collections.abc import Iterable, Mapping
@@ -32,18 +32,18 @@ _CELL_TYPES = {
 }
 
 _MERGED, _OFF_GRID = 1e-6, 0.2113
-"""Points nearer than this, relative to the diagonal of a body, are one point; and the shift of the
-lattice on which they are merged, which round numbers fall on no border of."""
+"""Cell size of the lattice on which points are merged, relative to the diagonal of a body, and its
+shift, so that round numbers do not lie on a boundary of lattice cells."""
 FEATURE_ANGLE = 30.0
-"""Angle between triangles (degrees) from which on their edge is sharp."""
+"""Angle between triangles (degrees) above which their common edge is drawn as sharp."""
 _SIMPLICES: dict[int, Any] = {2: vtkHigherOrderTriangle, 3: vtkHigherOrderTetra}
 _BOXES: dict[int, Any] = {2: vtkHigherOrderQuadrilateral, 3: vtkHigherOrderHexahedron}
 
 
 def cell_grid(cells: VolumeCells) -> Any:
-    """Cells of a body as VTK cells of the same geometry (pyvista ``UnstructuredGrid``).
+    """Return the cells of a body as VTK cells of the same geometry (pyvista ``UnstructuredGrid``).
 
-    Values at its points are ``cells.values`` times those of the scalar dofs.
+    Values at the points of the grid are ``cells.values`` times the scalar dofs.
     """
     dim = cells.points.shape[1]
     count, size = cells.cells.shape
@@ -54,7 +54,7 @@ def cell_grid(cells: VolumeCells) -> Any:
     grid = pyvista.UnstructuredGrid(connectivity.ravel(), kinds, in_space(cells.points))
     if cells.kind == "bezier":
         degrees = np.full((count, 3), float(cells.degree))
-        # As pyvista adds them they would be scalars too, and VTK's filters then lose the weights.
+        # pyvista would also make them the active scalars, and VTK filters then lose the weights.
         grid.GetPointData().SetRationalWeights(
             pyvista.convert_array(cells.weights, name="RationalWeights")
         )
@@ -65,7 +65,7 @@ def cell_grid(cells: VolumeCells) -> Any:
 
 
 def merged(cells: VolumeCells) -> VolumeCells:
-    """Cells that share their points, those of joined patches too: what is inside is then known."""
+    """Return cells with coincident points merged, so that interior faces can be identified."""
     x = cells.points
     size = float(np.linalg.norm(np.ptp(x, axis=0)))
     grid = np.round(x / (_MERGED * size) + _OFF_GRID)
@@ -80,9 +80,9 @@ def merged(cells: VolumeCells) -> VolumeCells:
 
 
 def outside(cells: VolumeCells, fields: Mapping[str, Floats], subdivisions: int) -> Any:
-    """Outside of a body in triangles with vectors at its points by name (pyvista ``PolyData``).
+    """Return the triangulated outer surface of a body with vectors at points (``PolyData``).
 
-    Its cells share their points (:func:`merged`); edges of curved ones are halved some times.
+    Points of the cells must be merged (:func:`merged`); curved cells are subdivided.
     """
     grid = cell_grid(cells)
     for name, values in fields.items():
@@ -94,7 +94,7 @@ def outside(cells: VolumeCells, fields: Mapping[str, Floats], subdivisions: int)
 
 
 def straight_outside(points: Floats, cells: Ints, displacement: Floats) -> Any:
-    """Outside of straight cells in space with real displacements of their points."""
+    """Return the triangulated outer surface of straight 3D cells with real displacements."""
     kind = {4: pyvista.CellType.TETRA, 8: pyvista.CellType.HEXAHEDRON}[cells.shape[1]]
     grid = pyvista.UnstructuredGrid({kind: cells}, points)
     grid.point_data["real"], grid.point_data["imaginary"] = displacement, 0 * displacement
@@ -102,17 +102,17 @@ def straight_outside(points: Floats, cells: Ints, displacement: Floats) -> Any:
 
 
 def sharp_edges(surface: Any) -> Any:
-    """Edges between triangles whose normals differ, and those of one alone (pyvista)."""
+    """Return sharp edges and boundary edges of a triangulated surface (pyvista)."""
     return surface.extract_feature_edges(FEATURE_ANGLE, manifold_edges=False)
 
 
 def in_space[T: np.generic](vectors: NDArray[T]) -> NDArray[T]:
-    """Vectors with z = 0 added in 2D, shape (n, 3)."""
+    """Return vectors of shape (n, 3), with z = 0 added in 2D."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def _vtk_positions(cells: VolumeCells) -> Ints:
-    """Place of each lattice point of a cell, in C order, among the points of a VTK cell."""
+    """Return the index in the VTK cell of each lattice point of a cell (C order)."""
     p, dim = cells.degree, cells.points.shape[1]
     lattice: Iterable[tuple[int, ...]] = product(range(p + 1), repeat=dim)
     if cells.simplex:

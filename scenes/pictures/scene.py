@@ -1,4 +1,4 @@
-"""A picture of a scene before it is run: bodies, named surfaces, supports, contact points."""
+"""Picture of a scene before a run: bodies, surface names, supports, contact points."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,21 +18,21 @@ from scenes.pictures.drawing import SUBDIVISIONS, aim, bar, png, view_of
 from scenes.pictures.grids import in_space, merged, outside, sharp_edges
 
 _WINDOW = (1100, 900)
-"""Width and height of each of both panels (pixels)."""
+"""Width and height of each of the two panels (pixels)."""
 _ARROWS = 24
-"""Arrows of a contact, at most."""
+"""Largest number of arrows of each kind per contact."""
 _LENGTH = 0.06
-"""Length of an arrow, relative to the diagonal of what is drawn of the contacts."""
+"""Length of an arrow, relative to the diagonal of the right panel's view."""
 _AROUND = 0.25
-"""What is seen around the contact points, relative to their diagonal."""
+"""Margin around the contact points in the right panel, relative to their diagonal."""
 _DOTS = 200.0
-"""Size of points times the root of their number (pixels)."""
+"""Size of points (pixels) times the square root of their number."""
 _CLOSED = 1e-6
-"""Gaps below this, relative to the diagonal, have the colour of none."""
+"""Smallest range of the colour scale of gaps, relative to the diagonal."""
 _LIFT = 2e-3
-"""Distance of what is drawn on a surface from it, relative to the diagonal."""
+"""Offset of points drawn on a surface from it, relative to the diagonal."""
 _PANELS = (
-    ("bodies, surfaces, supports", "dark: held; light blue: held in part"),
+    ("bodies, surfaces, supports", "dark: fixed; light blue: partly supported"),
     ("contact points", "grey: normals of a; red: friction on a"),
 )
 """Title and legend of each panel."""
@@ -41,11 +41,12 @@ _HELD, _PARTLY, _NORMAL, _FRICTION = "#1F3A5F", "#6C8EBF", "#444444", "#C0392B"
 
 
 def draw_scene(inspection: Inspection, file: str | Path) -> Path:
-    """Draw a scene that was looked at, to a PNG file, which rank 0 writes; collective.
+    """Draw an inspected scene to a PNG file, written by rank 0; collective.
 
-    Left: bodies with the names of their surfaces, held surfaces dark where every component is held
-    and light where some are. Right: bodies translucent, contact points coloured by the distance
-    between the sides, outward normals of side a grey, the direction of friction on a red.
+    The left panel shows bodies with the names of their surfaces, and supported surfaces, dark if
+    every component is held and light otherwise. The right panel shows translucent bodies, contact
+    points coloured by the gap, outward normals of side a (grey) and the friction direction on side
+    a (red).
     """
     cells = [body.space.volume_cells() for body in inspection.bodies.values()]
     distances = {name: gaps(half) for name, half in inspection.halves.items()}
@@ -84,13 +85,13 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
 
 
 def _points_on(surface: Surface) -> tuple[Floats, Floats]:
-    """Points of a grid on a surface (m) and outward normals there, shape (n, 3) each."""
+    """Return points of a grid on a surface (m) and outward normals there, (n, 3) each."""
     points = surface.grid(4)
     return in_space(points.x), in_space(points.normal)
 
 
 def _add_supports(plotter: Any, inspection: Inspection, size: float) -> None:
-    """Points of held surfaces, dark where no component is free."""
+    """Draw points on supported surfaces, dark if every component is held."""
     for name, spec in inspection.scene.bodies.items():
         for support in spec.supports:
             surface = inspection.bodies[name].surfaces[support.surface]
@@ -101,13 +102,13 @@ def _add_supports(plotter: Any, inspection: Inspection, size: float) -> None:
 
 
 def _add_names(plotter: Any, inspection: Inspection, view: Floats) -> None:
-    """Names of the surfaces, each at a point that faces the camera."""
+    """Draw the names of the surfaces, each at a point that faces the camera."""
     for name, body in inspection.bodies.items():
         for surface_name, surface in body.surfaces.items():
             x, normal = _points_on(surface)
             aside = np.linalg.norm(x - x.mean(axis=0), axis=1)
             best = np.argmax(normal @ view - aside / aside.max())
-            plotter.add_point_labels(  # together some would be left out
+            plotter.add_point_labels(  # one by one: labels of one call may be omitted
                 x[[best]],
                 [f"{name}.{surface_name}"],
                 font_size=13,
@@ -121,7 +122,7 @@ def _add_names(plotter: Any, inspection: Inspection, view: Floats) -> None:
 
 
 def _box_around(halves: Mapping[str, Contact], points: Floats) -> Floats:
-    """Corners of a box around the contact points (m), shape (8, 3); all points where none is."""
+    """Return the corners (m), (8, 3), of a box around the contact points; else ``points``."""
     if not halves:
         return points
     every = np.concatenate([in_space(half.interface.points.x) for half in halves.values()])
@@ -134,7 +135,7 @@ def _box_around(halves: Mapping[str, Contact], points: Floats) -> Floats:
 def _add_contacts(
     plotter: Any, halves: Mapping[str, Contact], distances: Mapping[str, Floats], seen: Floats
 ) -> None:
-    """Contact points by their gap, normals and directions of friction."""
+    """Draw contact points coloured by gap, normals and friction directions."""
     size = float(np.linalg.norm(np.ptp(seen, axis=0)))
     largest = [float(np.abs(gap).max(initial=0.0)) for gap in distances.values()]
     widest = max([_CLOSED * size, *largest])
@@ -155,7 +156,7 @@ def _add_contacts(
         x, normal = points.x[chosen], points.normal[chosen]
         arrows = [(x, normal, 0.6, _NORMAL)]
         if half.friction is not None:
-            inside = x - 0.2 * _LENGTH * size * normal  # points would hide what lies among them
+            inside = x - 0.2 * _LENGTH * size * normal  # else hidden by the points
             arrows.append((inside, half.friction.along(x, normal), 1.0, _FRICTION))
         for at, vectors, length, colour in arrows:
             cloud = pyvista.PolyData(in_space(at))

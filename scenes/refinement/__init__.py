@@ -1,1 +1,1 @@
-"""Scenes on finer meshes."""
+"""Refinement of scenes."""

@@ -1,7 +1,7 @@
-"""Scenes refined: more elements along every direction, layers at singular edges.
+"""Refinement of scenes: more elements along every direction, layers at singular edges.
 
-Pure: a scene in, a scene out. Bodies of mesh files keep their cells and take another degree. Every
-contact becomes mortar, the error of which is that of the meshes at any stiffness.
+Bodies of mesh files keep their cells and change the degree. Every contact becomes mortar, which
+does not add to the discretisation error of the meshes at any stiffness.
 """
 
 from dataclasses import dataclass, replace
@@ -23,12 +23,12 @@ from scenes.spec.reading import Scene
 
 @dataclass(frozen=True)
 class Resolution:
-    """How fine a scene is made."""
+    """Degree, density and layers of a refined scene."""
 
     degree: int  # of the elements of every shape
-    density: float  # factor on the elements of the scene along every direction
-    layers: int = 0  # geometric ones towards singular edges
-    file_degree: int | None = None  # on the cells of mesh files; None takes that of the scene
+    density: float  # factor of the numbers of elements along every direction
+    layers: int = 0  # number of geometric layers towards singular edges
+    file_degree: int | None = None  # on the cells of mesh files; None for the default degree
 
     def __post_init__(self) -> None:
         if not self.density > 0:
@@ -36,7 +36,7 @@ class Resolution:
 
 
 def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:
-    """The scene with every shape on one backend; bodies of mesh files stay Lagrange elements."""
+    """Return the scene with every shape on one backend; mesh files keep Lagrange elements."""
     shapes = [name for name, body in scene.bodies.items() if not from_file(body)]
     return scene.change({f"bodies.{name}.backend": backend for name in shapes})
 
@@ -47,19 +47,19 @@ def from_file(body: BodySpec) -> bool:
 
 
 def has_singular_edges(scene: Scene) -> bool:
-    """Whether layers make any difference: a body has singular edges and a structured mesh."""
+    """Whether layers have an effect: a body has singular edges and a structured mesh."""
     return any(
         singular_edges(scene, name) and _is_structured(body) for name, body in scene.bodies.items()
     )
 
 
 def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
-    """The scene, whose meshes are those of density 1, on one backend, contacts as mortar.
+    """Return the refined scene on one backend with mortar contacts; the scene has density 1.
 
     Raises
     ------
     SceneError
-        When the meshes cannot be made so, or a body has none of the backend.
+        If the refined scene is invalid, or a body has no mesh for the backend.
     """
     given = on_backend_of_shapes(scene, backend)
     contacts = {name: _accurate(contact) for name, contact in given.contacts.items()}
@@ -68,7 +68,7 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
 
 
 def moved_to_mortar(scene: Scene) -> dict[str, str]:
-    """Contacts whose formulation refinement changes, with the one that the scene gives."""
+    """Return the contacts whose formulation refinement changes, with the original method."""
     return {
         name: contact.formulation.method
         for name, contact in scene.contacts.items()
@@ -77,22 +77,22 @@ def moved_to_mortar(scene: Scene) -> dict[str, str]:
 
 
 def _accurate(contact: ContactSpec) -> ContactSpec:
-    """A contact as mortar in a half pass; one that is bonded as it is."""
+    """Return a contact as mortar in a half pass; bonded and mortar contacts are unchanged."""
     if contact.formulation.coupling == "bonded" or isinstance(contact.formulation, Mortar):
         return contact
     return replace(contact, formulation=Mortar(), full_pass=False)
 
 
 def _is_structured(body: BodySpec) -> bool:
-    """Whether the mesh of a body follows coordinates of its shape."""
+    """Whether the mesh of a body is structured along the coordinates of its shape."""
     return body.division is not None and getattr(body.division, "size", None) is None
 
 
 def _layers_at_edges(body: BodySpec, edges: SingularEdges) -> bool:
-    """Whether layers towards the edges of a body leave the rest of its mesh as it is.
+    """Whether layers can be confined to the cells at the edges of a body.
 
-    Lagrange cells need not lie on a lattice: where all edges run along one direction, or in the
-    plane, those at the edges alone are divided (:mod:`meshes.edge_layers`).
+    Lagrange cells need no tensor product mesh: if all edges run along one direction, or in the
+    plane, only the cells at the edges are divided (:mod:`meshes.edge_layers`).
     """
     mesh = body.division
     boxes = isinstance(mesh, FeMesh) and mesh.cell not in SIMPLICES and _is_structured(body)
@@ -128,7 +128,7 @@ def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
 
 
 def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -> FeMesh | IgaMesh:
-    """A structured mesh through all boundaries of contacts, with layers at singular edges."""
+    """Return a structured mesh that fits contact boundaries, with layers at singular edges."""
     body, edges = scene.bodies[name], singular_edges(scene, name)
     shape, through = body.geometry, dict(mesh.through)
     for direction, values in edges.through.items():

@@ -1,8 +1,8 @@
-"""Edges at which stresses are singular, towards which the meshes of a body are graded.
+"""Edges with singular stresses, towards which the meshes of a body are graded.
 
-Stresses are singular along the edges of a clamped face whose neighbours are free, along re-entrant
-edges, and along the boundary of a contact that is stiff beside its bodies. Where a roller ends a
-face nothing is singular: the roller is a plane of symmetry, behind which the face goes on.
+Stresses are singular along the edges between a clamped and a free face, along re-entrant edges, and
+along the boundary of a contact that is stiff compared with its bodies. They are not singular at a
+roller support, which is a plane of symmetry.
 """
 
 from collections.abc import Iterator
@@ -17,17 +17,17 @@ from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
 _COMPONENTS = {"r": ("radial",), "theta": ("circumferential",), "z": ("z", "axial")}
-"""Components along a direction that bear other names than it."""
+"""Other names of the components along a direction."""
 _STIFF = 1.0
-"""p L / E from which on a contact holds its sides together as a joint does, L the least length of
-the body of side a, E the lesser modulus."""
+"""p L / E above which a contact is treated as a rigid joint, with the least length L of the body of
+side a and the smaller Young's modulus E."""
 _WITHIN = 1e-9
-"""Part of a range by which a coordinate lies inside it."""
+"""Least distance of an inner coordinate from the ends of a range, relative to the range."""
 
 Place = tuple[str, float]
 """A direction and a coordinate along it."""
 Edge = tuple[Place, Place]
-"""The two places that an edge lies at."""
+"""The two coordinates of an edge."""
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,12 @@ class SingularEdges:
     """Singular edges of one body."""
 
     edges: tuple[dict[str, float], ...] = ()  # by coordinates along two directions
-    # those inside the body at which pressure ends, and elements do too
+    # coordinates inside the body where the pressure ends, which become element boundaries
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     @property
     def towards(self) -> dict[str, tuple[float, ...]]:
-        """Coordinates of the edges by direction, towards which elements are graded."""
+        """Coordinates of the edges, towards which elements are graded, by direction."""
         return _by_direction([place for edge in self.edges for place in edge.items()])
 
     def __bool__(self) -> bool:
@@ -48,9 +48,9 @@ class SingularEdges:
 
 
 def singular_edges(scene: Scene, name: str) -> SingularEdges:
-    """Singular edges of a body, and coordinates inside it at which pressure ends.
+    """Return the singular edges of a body, and inner coordinates at which the pressure ends.
 
-    Empty where nothing is singular, or the shape has no faces across coordinates.
+    The result is empty if no edge is singular, or the shape has no faces normal to coordinates.
     """
     body = scene.bodies[name]
     found = [
@@ -74,7 +74,7 @@ def _ranges(shape: Shape) -> dict[str, tuple[float, float]]:
 
 
 def _clamped(body: BodySpec) -> Iterator[Edge]:
-    """Edges of faces that are held in every component."""
+    """Yield the edges of clamped faces."""
     dim = len(body.geometry.directions)
     for support in body.supports:
         if len(set(support.components)) in (0, dim) and support.components != ("normal",):
@@ -82,7 +82,7 @@ def _clamped(body: BodySpec) -> Iterator[Edge]:
 
 
 def _contact_edges(scene: Scene, name: str) -> Iterator[Edge]:
-    """Edges of the sides a of contacts that this body bears."""
+    """Yield the edges of the sides a of stiff contacts on this body."""
     for contact in scene.contacts.values():
         owner, _, surface = contact.a.partition(".")
         if owner == name and _is_stiff(scene, contact):
@@ -90,11 +90,11 @@ def _contact_edges(scene: Scene, name: str) -> Iterator[Edge]:
 
 
 def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
-    """Whether a contact is as good as a joint; one whose stiffness is no number counts as such."""
+    """Whether a contact is nearly rigid; assumed if its stiffness is not a number."""
     bodies = [scene.bodies[side.partition(".")[0]] for side in (contact.a, contact.b)]
     lengths = sorted(bodies[0].lengths)
     p = contact.p
-    if contact.P is not None:  # over about the largest of its faces
+    if contact.P is not None:  # divided by the approximate area of the largest face
         p = contact.P / prod(lengths[1:])
     if not isinstance(p, int | float):
         return True
@@ -102,7 +102,7 @@ def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
 
 
 def _edges(body: BodySpec, surface: str) -> Iterator[Edge]:
-    """Where the ends of free faces meet a face."""
+    """Yield the edges of a face whose adjacent faces are free."""
     shape, face, held = body.geometry, body.faces.get(surface), _held(body)
     if face is None:
         return
@@ -114,7 +114,7 @@ def _edges(body: BodySpec, surface: str) -> Iterator[Edge]:
 
 
 def _held(body: BodySpec) -> set[tuple[str, int]]:
-    """Directions and ends of faces held along their normal."""
+    """Return the direction and end of each face that is supported along its normal."""
     held = set()
     for support in body.supports:
         if (face := body.faces.get(support.surface)) is not None:
@@ -125,10 +125,10 @@ def _held(body: BodySpec) -> set[tuple[str, int]]:
 
 
 def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[Edge]:
-    """Edges of sides a where they lie inside a side b that this body bears.
+    """Yield the edges of sides a that lie inside a side b on this body.
 
-    Of stiff contacts with the face itself, else of all. They are known where both bodies stand as
-    their shapes do and have the same directions.
+    Only those of stiff contacts if ``stiff``, else all. They are found only if both bodies have the
+    default placement and the same directions.
     """
     body = scene.bodies[name]
     for contact in scene.contacts.values():
@@ -147,13 +147,13 @@ def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[Edge]:
 
 
 def _aligned(body: BodySpec, other: BodySpec) -> bool:
-    """Whether two bodies stand as their shapes do, and have the same directions."""
+    """Whether two bodies have the default placement and the same coordinate directions."""
     as_shaped = all(each.placement == Placement() for each in (body, other))
     return as_shaped and body.geometry.directions == other.geometry.directions
 
 
 def _re_entrant(shape: Shape) -> Iterator[Edge]:
-    """The edges in which the ring of a hub meets its thicker part."""
+    """Yield the re-entrant edges between the ring of a hub and its thicker part."""
     if isinstance(shape, Hub):
         for z, end in ((shape.bottom, shape.hub_bottom), (shape.top, shape.hub_top)):
             if z != end:

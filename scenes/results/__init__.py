@@ -1,1 +1,1 @@
-"""What running a scene gives, how it is stored, and what is compared of it."""
+"""Results of scenes, their stored records, and the matching of modes of two runs."""

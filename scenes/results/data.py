@@ -1,4 +1,4 @@
-"""Results as the plain data of their records, and the data of records as results again."""
+"""Conversion of results to the plain data of records, and back."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Record(BaseModel):
-    """What made a record: command, inputs, versions and the machine."""
+    """Provenance of a record: command, inputs, versions and the machine."""
 
     command: str
     inputs: dict[str, Any]
@@ -29,7 +29,7 @@ class Record(BaseModel):
 
 
 class Eigenvalue(BaseModel):
-    """What is read again of an eigenvalue."""
+    """Fields of an eigenvalue that are read back from a record."""
 
     re: float
     im: float
@@ -49,13 +49,13 @@ class SideStress(BaseModel):
 
 
 class Dofs(BaseModel):
-    """Counts of unknowns."""
+    """Number of unknowns."""
 
     free: int
 
 
 class RunRecord(Record):
-    """The record of a run (`docs/result_json.md`): what is needed to open it as a result."""
+    """Fields of the record of a run (`docs/result_json.md`) that are needed to open it."""
 
     scene: dict[str, Any]
     dofs: Dofs
@@ -68,7 +68,7 @@ class RunRecord(Record):
 
 
 def opened(record: RunRecord, kind: str) -> dict[str, Any]:
-    """Eigenvalues or stresses from the record of a kind of analysis, as fields of a result."""
+    """Return the eigenvalues or stresses of a record as keyword arguments of a result."""
     if record.stresses is not None and kind == "static":
         from cea.system.contact_stresses import NormalStress
 
@@ -81,7 +81,7 @@ def opened(record: RunRecord, kind: str) -> dict[str, Any]:
     values, window = record.eigenvalues, record.window
     if values is None or window is None or kind == "static":
         allowed = "'cea'" if values is not None else "'static'"
-        raise InputError("scene.analysis.kind", kind, f"{allowed}, as the data are")
+        raise InputError("scene.analysis.kind", kind, f"{allowed}, the kind of the stored data")
     names = ("re", "im", "residual", "condition", "uncertainty")
     columns = np.array([[getattr(value, name) for value in values] for name in names], dtype=float)
     re, im, residuals, conditions, uncertainties = columns
@@ -92,7 +92,7 @@ def opened(record: RunRecord, kind: str) -> dict[str, Any]:
 
 
 def described(result: Any) -> dict[str, Any]:
-    """What the record of a result holds; `docs/result_json.md` says what every field is."""
+    """Return the data of a result for its record; `docs/result_json.md` describes the fields."""
     if result.spectrum is None:
         return _described_run(result) | {"stresses": _described_stresses(result.stresses)}
     found = _described_modes(result.modes, result.analysis.growth_threshold)
@@ -110,13 +110,13 @@ def _described_stresses(stresses: Mapping[str, Mapping[str, Any]]) -> dict[str, 
 
 
 def _picked(of: Any, *names: str) -> dict[str, Any]:
-    """Some attributes by name, arrays as lists."""
+    """Return attributes by name, with arrays as lists."""
     values = {name: getattr(of, name) for name in names}
     return {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in values.items()}
 
 
 def _described_run(result: Any) -> dict[str, Any]:
-    """What every run has: the scene as run, unknowns, seconds, contact points, forces."""
+    """Return the data that every run has: scene, unknowns, times, contact points, reactions."""
     data: dict[str, Any] = {
         "scene": as_data(result.scene),
         "dofs": {"free": result.dofs},
@@ -146,7 +146,7 @@ def _interface(interface: Interface) -> dict[str, Any]:
 
 
 def _described_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str, Any]:
-    """Eigenvalues with their errors, the window searched, verdicts, the unstable modes.
+    """Return eigenvalues with their errors and verdicts, the window, and the unstable modes.
 
     ``mode`` is the number of a mode, from 1: entry ``mode - 1`` of the list ``eigenvalues``.
     """
@@ -172,7 +172,7 @@ def _described_modes(modes: Spectrum, growth_threshold: float | None) -> dict[st
 
 
 def _steady_data(steady: "SteadySliding") -> dict[str, Any]:
-    """A state of steady sliding, without fields over points."""
+    """Return the data of a state of steady sliding, without fields at points."""
     return {
         **_picked(steady, "uncertainty", "residual", "iterations"),
         "path": [_step_data(step) for step in steady.path],
@@ -196,7 +196,7 @@ def _contact_data(state: "ContactState") -> dict[str, Any]:
 
 
 def steady_lines(data: Mapping[str, Any]) -> list[str]:
-    """Lines of a state as its record has it: half passes in each load step, and at last."""
+    """Return lines about steady sliding from its record: half passes at each step and finally."""
     steps = [
         f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
         for step in data["path"]

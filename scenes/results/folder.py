@@ -1,7 +1,7 @@
-"""Folders of results: checked before the work, and replaced as a whole when it is done.
+"""Folders of results: checked before a run, and replaced as a whole when it is complete.
 
-A folder keeps a list of the files that were written to it, which give way to the next result;
-anything else is somebody's own and stays.
+A folder contains a list of the files of its result. The next result replaces these; all other files
+belong to the user and are kept.
 """
 
 import json
@@ -17,31 +17,34 @@ from cea.errors import InputError, WriteError
 from cea.files import write_whole
 
 MANIFEST = "manifest.json"
-"""File that lists what was written to a folder."""
+"""File that lists the files of a result."""
 RESULT = "result.json"
-"""File that is written last: where it stands, all that belongs to it does."""
+"""Record of the result, written last: if it exists, the result is complete."""
 
-_ABOUT = "Files of this result. The next result takes their place, and no other's."
+_ABOUT = "Files of this result. The next result replaces these files and no others."
 _WHOSE = ("scene", "data", "mass", "damping", "stiffness")
-"""Inputs of a run that tell whose result it is."""
+"""Inputs of a run that identify its result."""
 
 
 @dataclass
 class NewFolder:
-    """A folder that is being filled, and takes the place of another."""
+    """A temporary folder whose files will replace the result in another folder."""
 
-    part: Path  # where its files are written
-    out: Path  # where they will stand
-    # names of files that were in the way and not of this program; known at the end
+    part: Path  # temporary folder in which files are written
+    out: Path  # final folder
+    # new names of files of the user that were renamed; filled at the end
     kept: list[str] = field(default_factory=list)
 
     def final(self, file: Path) -> Path:
-        """Where a file that is written in ``part`` will stand."""
+        """Return the final path of a file in ``part``."""
         return self.out / file.relative_to(self.part)
 
 
 def check_out(out: Path, name: str = "out") -> dict[str, Any] | None:
-    """Refuse a folder that cannot take a result, or make it; the record of a result there."""
+    """Create a folder for a result and return the record of an earlier one, if any.
+
+    Raises an InputError if the folder is not writable or contains a foreign ``result.json``.
+    """
     from scenes.results.record import PROVENANCE, read_record
 
     try:
@@ -58,12 +61,12 @@ def check_out(out: Path, name: str = "out") -> dict[str, Any] | None:
     except InputError:
         found = {}
     if not set(PROVENANCE) <= found.keys():
-        raise InputError(name, str(out), f"a folder without a {RESULT} that something else made")
+        raise InputError(name, str(out), f"a folder without a {RESULT} of another program")
     return found
 
 
 def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> None:
-    """Refuse a folder that cannot take the result of a run, or holds that of another scene."""
+    """Raise an InputError if a folder is not writable or contains the result of another scene."""
     found = check_out(out)
     if overwrite or found is None:
         return
@@ -71,12 +74,12 @@ def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> N
     for name, value in {"command": "run", **{key: inputs.get(key) for key in _WHOSE}}.items():
         if stored.get(name) != value:
             allowed = f"a folder without a result of another {name}, {stored.get(name)!r}"
-            raise InputError("out", str(out), f"{allowed}; --overwrite lets it go")
+            raise InputError("out", str(out), f"{allowed}; --overwrite replaces it")
 
 
 @contextmanager
 def new_folder(out: Path, *, root: bool = True) -> Iterator[NewFolder]:
-    """A folder to fill, whose files take the place of an earlier result at the end."""
+    """Context of a temporary folder whose files replace an earlier result on exit."""
     if not root:
         yield NewFolder(out, out)
         return
@@ -97,7 +100,7 @@ def new_folder(out: Path, *, root: bool = True) -> Iterator[NewFolder]:
 
 
 def listed(out: Path) -> list[str]:
-    """Files that were written to a folder, by their paths there; none where no list can be read."""
+    """Return the relative paths of the files of a result; empty if there is no readable list."""
     try:
         files = json.loads((out / MANIFEST).read_text(encoding="utf-8"))["files"]
         paths = [PurePosixPath(name) for name in files]
@@ -108,7 +111,7 @@ def listed(out: Path) -> list[str]:
 
 
 def _take_place(new: NewFolder) -> None:
-    """Put new files where earlier ones stood, the record of the result last."""
+    """Replace the files of the earlier result by the new ones, the record last."""
     files = [file.relative_to(new.part) for file in sorted(new.part.rglob("*")) if file.is_file()]
     made = [file.as_posix() for file in files]
     earlier = [name for name in listed(new.out) if (new.out / name).is_file()]
@@ -116,7 +119,7 @@ def _take_place(new: NewFolder) -> None:
     for name in earlier:
         (new.out / name).unlink(missing_ok=True)
         for folder in PurePosixPath(name).parents[:-1]:
-            with suppress(OSError):  # something else is in it
+            with suppress(OSError):  # not empty
                 (new.out / folder).rmdir()
     for name in sorted(made, key=lambda name: name == RESULT):
         place = new.out / name
@@ -132,7 +135,7 @@ def _take_place(new: NewFolder) -> None:
 
 
 def _put_aside(new: NewFolder, place: Path) -> None:
-    """Rename a file or folder to a name that is free."""
+    """Rename a file or folder of the user to an unused name."""
     number = 1
     while (other := place.with_name(f"{place.name}.kept{number}")).exists():
         number += 1

@@ -1,7 +1,7 @@
-"""Matching modes of two runs of one scene by shape and eigenvalue, on points that both can locate.
+"""Matching of modes of two runs of a scene by shape and eigenvalue, at points located in both.
 
-Modes that nearly coalesce mix freely: what two discretisations agree on is the space they span and
-the mean of their eigenvalues, not its members. Such modes are paired as groups.
+Nearly coalescing modes are arbitrary combinations: two discretisations agree on the space that they
+span and the mean of their eigenvalues, not on single modes. Such modes are paired as groups.
 """
 
 from dataclasses import dataclass
@@ -18,15 +18,15 @@ from scenes.results.result import Result
 NEAR = 1e-3
 """Relative distance below which eigenvalues of one run are compared as a group."""
 _FREQUENCY_SCALE = 0.02
-"""Relative difference of eigenvalues that counts as much as a modal assurance of zero."""
+"""Relative difference of eigenvalues with the same cost as a modal assurance of zero."""
 ALONE = 2.0
-"""Cost at which a mode is rather left alone: other shape and 2 per cent away, or further."""
+"""Cost above which modes are not paired: that of orthogonal shapes and a difference of 2 %."""
 _SAMPLES = 15
 
 
 @dataclass(frozen=True)
 class ModeSet:
-    """Modes of one run: lambda (1/s), and displacements at common points."""
+    """Modes of one run: eigenvalues (1/s) and displacements at common points."""
 
     eigenvalues: Complexes
     shapes: Complexes
@@ -34,10 +34,10 @@ class ModeSet:
 
 @dataclass(frozen=True)
 class GroupMatch:
-    """Numbers of modes of two runs that stand for one another, one of each, or groups.
+    """Indices of matching modes of two runs, one of each or groups.
 
-    With their mean eigenvalues, and the square of the cosine of the largest principal angle between
-    the spaces they span. Of single modes that is the modal assurance criterion abs(x^H y)^2 /
+    Also their mean eigenvalues, and the squared cosine of the largest principal angle between the
+    spaces that they span. For single modes it is the modal assurance criterion abs(x^H y)^2 /
     (x^H x y^H y) (R. J. Allemang, The modal assurance criterion - twenty years of use and abuse,
     Sound and Vibration 37 (2003)).
     """
@@ -49,13 +49,13 @@ class GroupMatch:
 
     @property
     def distance(self) -> float:
-        """Distance of the means relative to the second."""
+        """Distance of the mean eigenvalues, relative to the second."""
         return float(abs(self.means[0] - self.means[1]) / abs(self.means[1]))
 
 
 @dataclass(frozen=True)
 class ModeMatch:
-    """What was matched, and every mode that was not."""
+    """Matched groups, and the indices of unmatched modes of each run."""
 
     groups: tuple[GroupMatch, ...]
     only_first: Ints
@@ -65,10 +65,10 @@ class ModeMatch:
 def match_modes(
     first: ModeSet, second: ModeSet, near: float = NEAR, limit: float | None = ALONE
 ) -> ModeMatch:
-    """Pair the modes of two runs so that shapes and eigenvalues agree best over all together.
+    """Pair the modes of two runs with minimal total cost in shapes and eigenvalues.
 
-    Eigenvalues of one run up to a relative distance ``near`` are compared as a group; at a cost of
-    ``limit`` modes are rather left alone, without one as many are paired as there are.
+    Eigenvalues of one run within a relative distance ``near`` are compared as a group. Modes are
+    not paired at costs above ``limit``; with None as many as possible are paired.
     """
     groups = group(first.eigenvalues, near), group(second.eigenvalues, near)
     rows, columns = assign(_cost(first, second, *groups), limit)
@@ -100,11 +100,10 @@ def match_runs(
 
 
 def match_unstable(first: Result, second: Result) -> dict[str, Any]:
-    """Pair the unstable modes of two runs of one scene.
+    """Pair the unstable modes of two runs of one scene with minimal total cost.
 
-    They are paired so that shape and eigenvalue agree best over all ``pairs`` together, each with
-    frequency and growth of both, and modal assurance; ``only_first`` and ``only_second`` hold the
-    modes without a partner.
+    Returns ``pairs`` with the frequencies and growth rates of both modes and their modal assurance,
+    and the unmatched modes ``only_first`` and ``only_second``.
     """
     unstable = (np.flatnonzero(result.unstable) for result in (first, second))
     sets = _mode_sets(first, second, *unstable)
@@ -114,7 +113,7 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
         for each in sets
     ]
     pairs = []
-    # A group of one run is one mode here: groups are pairs, but for exact copies.
+    # With near = 0 groups are single modes, except for exactly equal eigenvalues.
     for pair in match.groups:
         for i, j in zip(pair.first, pair.second, strict=True):
             both = {name: [told[0][i][name], told[1][j][name]] for name in ("frequency", "growth")}
@@ -132,7 +131,7 @@ def _mode_sets(
     first_modes: NDArray[np.int64] | None,
     second_modes: NDArray[np.int64] | None,
 ) -> tuple[ModeSet, ModeSet]:
-    """Eigenvalues, and displacements at points of the contact surfaces that both can locate."""
+    """Return eigenvalues, and displacements at points of contact surfaces located in both runs."""
     chosen = [
         np.arange(len(result.modes)) if modes is None else modes
         for result, modes in ((first, first_modes), (second, second_modes))
@@ -154,7 +153,7 @@ def _mode_sets(
 
 
 def _places(result: Result) -> list[str]:
-    """Both sides of every contact; every surface of scenes without contacts."""
+    """Return both sides of every contact; without contacts, every surface."""
     contacts = result.scene.contacts.values()
     sides = [side for contact in contacts for side in (contact.a, contact.b)]
     return sides or [
@@ -163,7 +162,7 @@ def _places(result: Result) -> list[str]:
 
 
 def _rows(shapes: list[Complexes]) -> Complexes:
-    """Displacements of several surfaces, a row for each component of each point."""
+    """Stack the displacements of surfaces, with a row for each component of each point."""
     every = np.concatenate(shapes)
     return every.reshape(len(every) * every.shape[1], every.shape[-1])
 
@@ -171,7 +170,7 @@ def _rows(shapes: list[Complexes]) -> Complexes:
 def _cost(
     first: ModeSet, second: ModeSet, first_groups: list[Ints], second_groups: list[Ints]
 ) -> Floats:
-    """Unlikeness of shapes, plus distance of eigenvalues relative to the larger."""
+    """Return 1 - assurance plus the scaled relative distance of eigenvalues, for all pairs."""
     assurance = np.maximum(
         _assurance(first.shapes, second.shapes, second_groups),
         _assurance(second.shapes, first.shapes, first_groups).T,
@@ -189,15 +188,15 @@ def _group_match(first: ModeSet, second: ModeSet, rows: Ints, columns: Ints) -> 
 
 
 def _assurance(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
-    """Part norm(P x)^2 / norm(x)^2 of left modes in the space of groups of right modes.
+    """Return norm(P x)^2 / norm(x)^2 for left modes x, shape (modes_left, modes_right).
 
-    P projects on the group of the right mode, shape (modes_left, modes_right); of groups of one it
-    is the modal assurance criterion.
+    P projects onto the span of the group of a right mode; for groups of one mode this is the modal
+    assurance criterion.
     """
     left = left / np.linalg.norm(left, axis=0)
     assurance = np.empty((left.shape[1], right.shape[1]))
     for members in groups:
-        # members that are parallel to rounding count once
+        # numerically parallel members count once
         basis = orth(right[:, members] / np.linalg.norm(right[:, members], axis=0), rcond=1e-10)
         assurance[:, members] = (np.abs(basis.conj().T @ left) ** 2).sum(axis=0)[:, None]
     return assurance

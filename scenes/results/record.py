@@ -1,9 +1,9 @@
-"""One stored form of what any command computed, and how it is opened again.
+"""Records: the stored form of the results of all commands.
 
-A record is plain data: ``command`` and its ``inputs``, ``versions``, ``commit`` and ``machine``
-that made it, ``seconds``, ``warnings``, and beside them the data of the command. Infinity, which
-JSON has no number for, is stored as the text "inf"; a text that reads so bears a backslash before
-it, and one more where it has some.
+A record is plain data: ``command`` and its ``inputs``, ``versions``, ``commit``, ``machine``,
+``seconds``, ``warnings``, and the data of the command. Infinity, which JSON does not have, is
+stored as the text "inf"; the text "inf" itself, possibly with backslashes before it, is stored
+with another backslash.
 """
 
 import gzip
@@ -25,9 +25,9 @@ from scenes.results.data import Record
 from scenes.results.result import Result
 
 PROVENANCE = tuple(Record.model_fields)
-"""Fields of every record; what else it holds is data of its command."""
+"""Fields of every record; all others are data of its command."""
 RUN = "run"
-"""Command that a record of a run names."""
+"""Value of ``command`` in the record of a run."""
 
 _PACKAGE = "friction-cea"
 _PACKAGES = {
@@ -39,7 +39,7 @@ _PACKAGES = {
     _PACKAGE: _PACKAGE,
 }
 _LARGEST = 2**30
-"""Bytes of JSON that are read at most: a small compressed file may hold any number of them."""
+"""Largest number of bytes of JSON read, a limit for decompressed files."""
 _INFINITIES = {"inf": inf, "-inf": -inf}
 
 
@@ -55,18 +55,18 @@ def save_result(
     Parameters
     ----------
     result
-        The run.
+        Result of the run.
     file
-        The file; rank 0 writes it.
+        File to write, on rank 0.
     inputs
-        What the run was asked for in words; by default the name of the scene.
+        Inputs of the command; by default the name of the scene.
     data
-        More to be kept beside it.
+        Additional data to store.
 
     Raises
     ------
     InputError
-        When the result was read back.
+        If the result was read back from a record.
     """
     require(not result.record, "result", result.scene.name, "a fresh run, not one read back")
     path, described = Path(file), dict(result.data)
@@ -88,7 +88,7 @@ def record(
     seconds: float,
     warnings: Iterable[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
-    """What a command computed, plain data, with all that tells where it comes from."""
+    """Return the record of a command: its data with the provenance."""
     taken = [name for name in data if name in PROVENANCE]
     if taken:
         raise InputError("data", taken, f"other names than {', '.join(PROVENANCE)}")
@@ -109,18 +109,18 @@ def record(
 
 
 def write_record(data: Mapping[str, Any], file: Path) -> Path:
-    """Write plain data as JSON, whole or not at all; compressed where the file ends in ``.gz``."""
+    """Write plain data as JSON atomically, compressed if the file name ends in ``.gz``."""
     return write_whole(f"{as_json(data, compact=file.suffix == '.gz')}\n".encode(), file)
 
 
 def as_json(data: Mapping[str, Any], *, compact: bool = False) -> str:
-    """Plain data as the text of a record; compact, without spaces and lines."""
+    """Return plain data as JSON; ``compact`` omits spaces and line breaks."""
     layout: dict[str, Any] = {"separators": (",", ":")} if compact else {"indent": 1}
     return json.dumps(_in_json(data), allow_nan=False, **layout)
 
 
 def read_record(file: str | Path) -> dict[str, Any]:
-    """Read what :func:`write_record` wrote; what is no such file is refused."""
+    """Read a file of :func:`write_record`; raise an InputError for other files."""
     path = Path(file)
     try:
         with (gzip.open if path.suffix == ".gz" else open)(regular(path), "rb") as stream:
@@ -136,7 +136,7 @@ def read_record(file: str | Path) -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that matter for numbers."""
+    """Return the versions of Python and of the packages that affect numerical results."""
     from cea.petsc import PETSc, SLEPc
 
     found = {name: _version(package) for name, package in _PACKAGES.items()}
@@ -154,10 +154,10 @@ def _version(package: str) -> str:
 
 @cache
 def commit() -> str:
-    """Commit of the program where it runs from a checkout, else the version of its package.
+    """Return the commit of the checkout of the program, or the version of the package.
 
-    A commit with changes that are not committed ends in ``-dirty``. The checkout is not locked for
-    it: its user may be committing meanwhile.
+    With uncommitted changes the commit ends in ``-dirty``. No git locks are taken, so that the user
+    can commit at the same time.
     """
     root = Path(__file__).parents[2]
     git = ["git", "--no-optional-locks", "-C", str(root), "describe", "--always", "--dirty"]
@@ -167,12 +167,12 @@ def commit() -> str:
             done = subprocess.run([*git, *options], capture_output=True, text=True, check=True)
             return done.stdout.strip()
     except (OSError, subprocess.CalledProcessError):
-        pass  # no git, or a checkout of another owner: the package says what it is
+        pass  # no git, or a checkout of another owner: use the package version
     return f"{_PACKAGE} {_version(_PACKAGE)}"
 
 
 def _in_json(value: Any, place: str = "data") -> Any:
-    """Plain data in which infinity is the text "inf"; what is no number is refused."""
+    """Return plain data with infinity as the text "inf"; raise an InputError for NaN."""
     if isinstance(value, Mapping):
         return {key: _in_json(part, f"{place}.{key}") for key, part in value.items()}
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""What running a scene gives, fresh or read back from its record."""
+"""Result of a scene, from a run or read back from a record."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -34,36 +34,36 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result:
-    """What running a scene gave.
+    """Result of a run of a scene.
 
     Modes are numbered from 1 in tables, files and pictures, and indexed from 0 in arrays. A result
-    that was read back has no matrices and no vectors: what needs them refuses.
+    that was read back has no matrices and vectors; methods that need them raise an InputError.
 
     Parameters
     ----------
     scene
         The scene as run: :class:`scenes.Scene` or :class:`scenes.MatrixScene`.
     timer
-        Seconds by stage.
+        Times (s) by stage.
     skipped
-        What the scene did not need, with the reason.
+        Stages that the scene did not need and unused inputs, with the reasons.
     warnings
-        What the result must be read with.
+        Warnings about the result.
     spectrum
-        Eigenvalues with their errors and the window that was searched; None where none was sought.
+        Eigenvalues with their errors and the window; None for a static analysis.
     stresses
         Normal stresses of a static analysis by contact, then side "a" or "b".
     reactions
         Forces (N) of each support on its body in equilibrium with the loads, by body, shape
-        (supports, dim), in the order of the scene; empty where no equilibrium is sought.
+        (supports, dim), in the order of the scene; empty if no equilibrium is computed.
     pieces
-        Matrices as read, by name, of a scene of matrices.
+        Matrices of a scene of matrices as read, by name.
     coupled
-        The coupled matrices of bodies and contacts.
+        The coupled system of bodies and contacts.
     solution
         Unknowns of a static analysis, PETSc vector.
     record
-        Its record, where it was read back.
+        The record that the result was read from; empty for a run.
     """
 
     scene: Any
@@ -80,23 +80,23 @@ class Result:
 
     @property
     def data(self) -> Mapping[str, Any]:
-        """What its record holds (`docs/result_json.md`), fresh or read back; collective."""
+        """Data of the record of the result (`docs/result_json.md`); collective."""
         return self.record or described(self)
 
     @property
     def system(self) -> CoupledSystem:
-        """Coupled matrices of bodies and contacts; refused where there are none."""
+        """Coupled system of bodies and contacts; raises an InputError if there is none."""
         return _there(self.coupled, "system", "a fresh run of bodies")
 
     @property
     def displacement(self) -> Any:
-        """Unknowns of a static analysis, PETSc vector; refused where there are none."""
+        """Unknowns of a static analysis, PETSc vector; raises an InputError if there are none."""
         return _there(self.solution, "displacement", "a fresh run of a static analysis")
 
     @property
     def modes(self) -> Modes:
-        """Eigenvalues with their errors; without vectors where the result was read back."""
-        return cast(Modes, _there(self.spectrum, "modes", "an analysis that seeks modes"))
+        """Eigenvalues with their errors; without vectors if the result was read back."""
+        return cast(Modes, _there(self.spectrum, "modes", "an analysis that computes modes"))
 
     @property
     def analysis(self) -> Any:
@@ -105,7 +105,7 @@ class Result:
 
     @property
     def dofs(self) -> int:
-        """Free dofs."""
+        """Number of free dofs."""
         if self.record:
             return int(self.record["dofs"]["free"])
         return int(self.modes.template.getSize() if self.coupled is None else self.coupled.size)
@@ -118,22 +118,22 @@ class Result:
 
     @property
     def bodies(self) -> Mapping[str, Body]:
-        """Bodies by name; refused where the result was read back."""
+        """Bodies by name; raises an InputError if the result was read back."""
         return self.system.bodies
 
     @property
     def interfaces(self) -> dict[str, Interface]:
-        """Contact points by name of the half pass; refused where the result was read back."""
+        """Contact points by half pass; raises an InputError if the result was read back."""
         return {contact.name: contact.interface for contact in self.system.contacts}
 
     @property
     def steady(self) -> "SteadySliding | None":
-        """The state of steady sliding; None where the stiffness of every contact is given."""
+        """State of steady sliding; None if the stiffness of every contact is given."""
         return self.system.steady
 
     @property
     def eigenvalues(self) -> Complexes:
-        """Lambda (1/s) by rising frequency, shape (n,)."""
+        """Eigenvalues lambda (1/s) in order of increasing frequency, shape (n,)."""
         return self.modes.eigenvalues
 
     @property
@@ -148,26 +148,26 @@ class Result:
 
     @property
     def damping_ratios(self) -> Floats:
-        """-Re lambda / abs(lambda), shape (n,): below zero where a mode grows, NaN where rigid."""
+        """-Re lambda / abs(lambda), shape (n,): negative for growing modes, NaN for rigid ones."""
         return self.modes.damping_ratios
 
     @property
     def unstable(self) -> NDArray[np.bool_]:
-        """Modes that are called unstable with the scene's threshold, shape (n,)."""
+        """Mask of the modes that are unstable by the scene's growth threshold, shape (n,)."""
         return self.modes.unstable(self.analysis.growth_threshold)
 
     @property
     def verdict(self) -> RunWord:
-        """The word of the whole window, as :func:`cea.eigen.classify.classify_run` has it."""
+        """Classification of the whole window by :func:`cea.eigen.classify.classify_run`."""
         return self.modes.verdict(self.analysis.growth_threshold)
 
     @property
     def summary(self) -> str:
-        """How many modes have which word, the threshold and the verdict, in a line."""
+        """One line with the number of modes of each class, the threshold and the verdict."""
         return f"{self.scene.name}: {self.modes.headline(self.analysis.growth_threshold)}"
 
     def most_unstable(self, count: int) -> list[int]:
-        """Indices, from 0, of the most unstable modes; of the first ones where none is."""
+        """Return indices, from 0, of the most unstable modes; the first ones if all are stable."""
         unstable = np.flatnonzero(self.unstable)
         if not len(unstable):
             return list(range(min(count, len(self.modes))))
@@ -175,7 +175,7 @@ class Result:
         return unstable[order][:count].tolist()
 
     def index(self, mode: int | None = None) -> int:
-        """Index, from 0, of a mode by its number, from 1; by default that of the most unstable."""
+        """Return the index, from 0, of a mode number, from 1; by default the most unstable mode."""
         if mode is None and len(self.modes):
             return self.most_unstable(1)[0]
         if mode is None or not 1 <= mode <= len(self.modes):
@@ -183,7 +183,7 @@ class Result:
         return int(mode) - 1
 
     def title(self, index: int) -> str:
-        """A mode, by its index, in words: backend, number from 1, frequency and growth rate."""
+        """Return the title of a mode: backend, number from 1, frequency and growth rate."""
         begin = f"{backend_name(self.scene.backends)}, mode {index + 1}: "
         if self.modes.rigid[index]:
             return f"{begin}rigid motion"
@@ -193,17 +193,17 @@ class Result:
         )
 
     def matrices(self) -> dict[str, csr_array]:
-        """Matrices by name, at the parameters that were solved at; collective.
+        """Return the matrices by name, at the parameters of the solution; collective.
 
-        Their rows are the free dofs of all ranks. K and M of the bodies, K_n and K_f of the
-        contacts: K_f is zero without friction, M is left out of static analyses. C is there where
-        something damps, Y where a body rotates; convective and geometric stiffness are part of K.
-        With modal damping, which would be full, damping is C + W W^T. Damping that rotates with
-        its body makes K_c of displacements, or K_c + L N^-1 J (:mod:`cea.motion`). A scene of
-        matrices has M, C where there is one, and K.
+        Rows are the free dofs of all ranks. There are K and M of the bodies, and K_n and K_f of the
+        contacts. K_f is zero without friction; M is omitted in static analyses; C exists with
+        damping and Y with rotation. K includes convective and geometric stiffness. With modal
+        damping the damping matrix is C + W W^T, which would be dense. Damping of a rotating body
+        adds the stiffness K_c, or K_c + L N^-1 J (:mod:`cea.motion`). A scene of matrices has M, C
+        if there is damping, and K.
 
-        They are scipy's (N/m, kg, N s/m) on rank 0; none are given on other ranks. An InputError
-        refuses tied sides of a contact, where K_n is infinite, and results that were read back.
+        The matrices are scipy's (N/m, kg, N s/m) on rank 0; other ranks get an empty dict. Raises
+        an InputError for tied contacts, where K_n is infinite, and for results read back.
         """
         if self.pieces:
             return given_matrices(self.modes.pencil, self.modes.values, self.modes.template)
@@ -219,28 +219,28 @@ class Result:
         *,
         everywhere: bool = True,
     ) -> Complexes:
-        """Complex displacements of modes at points; collective.
+        """Return complex displacements of modes at points; collective.
 
         Parameters
         ----------
         place
-            A body; or a surface, "body.surface".
+            A body, or a surface "body.surface".
         at
-            On a surface, coordinates of the points, as locating gives them. On a body, the values
-            of its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes the
-            scalar dofs themselves.
+            On a surface, coordinates of the points, as returned by ``locate``. On a body, values of
+            its scalar basis functions at the points, shape (n, num_scalar_dofs); None returns the
+            values of the scalar dofs.
         everywhere
-            Whether every rank gives the points and gets the answer; otherwise rank 0 does, and
+            Whether every rank passes the points and gets the result; otherwise rank 0 does, and
             others get an empty array.
         modes
-            Indices of the modes, from 0, as in :attr:`eigenvalues`; None takes all.
+            Indices of the modes, from 0, as in :attr:`eigenvalues`; by default all.
 
         Returns
         -------
         ndarray
             Shape (n, dim, modes).
         """
-        system = self.system  # refused where the result was read back
+        system = self.system  # raises if the result was read back
         vectors = self.modes.vectors if modes is None else self.modes.vectors[:, list(modes)]
         return displacements(system, place, at, vectors, everywhere=everywhere)
 
@@ -251,7 +251,7 @@ class Result:
         *,
         everywhere: bool = True,
     ) -> Floats:
-        """Displacements (m) at points, shape (n, dim), as :meth:`mode_shapes`; collective."""
+        """Return static displacements (m), (n, dim); see :meth:`mode_shapes`; collective."""
         vectors = self.displacement.array[:, None].astype(complex)
         u = displacements(self.system, place, at, vectors, prescribed=1.0, everywhere=everywhere)
         return u[..., 0].real
@@ -259,14 +259,14 @@ class Result:
     def plot(self, mode: int | None = None) -> "Image | None":
         """Draw a mode at the phase of its largest deflection, by default the most unstable one.
 
-        Modes have numbers, from 1, as in :meth:`table`; an InputError refuses others. The image is
-        one of PIL on rank 0, which a notebook shows and ``save`` writes; None on other ranks.
+        Modes are numbered from 1 as in :meth:`table`; other numbers raise an InputError. Returns a
+        PIL image on rank 0, and None on other ranks.
         """
         return next(self.images([self.index(mode)]), None)
 
     def images(self, modes: Sequence[int]) -> Iterator["Image"]:
-        """Modes drawn, by their indices; none but on rank 0; collective as it begins."""
-        from scenes.pictures.drawing import SUBDIVISIONS, draw_mode  # brings pyvista
+        """Yield images of modes by index on rank 0; nothing on others; collective at the start."""
+        from scenes.pictures.drawing import SUBDIVISIONS, draw_mode  # imports pyvista
         from scenes.pictures.grids import merged, outside
 
         cells = {name: merged(body.space.volume_cells()) for name, body in self.bodies.items()}
@@ -282,11 +282,11 @@ class Result:
             yield draw_mode(surfaces, self.title(mode))
 
     def draw(self, count: int, out: Path) -> list[Path]:
-        """Draw so many modes, the most unstable first, or the first ones where none is; collective.
+        """Draw ``count`` modes, those of :meth:`most_unstable`; collective.
 
         Rank 0 writes the files ``mode_<backend>_<number of the mode>.png``.
         """
-        from scenes.pictures.drawing import png  # brings pyvista
+        from scenes.pictures.drawing import png  # imports pyvista
 
         modes = self.most_unstable(count)
         files = [out / f"mode_{self.scene.backends}_{mode + 1}.png" for mode in modes]
@@ -295,23 +295,23 @@ class Result:
         return files
 
     def steady_lines(self) -> list[str]:
-        """What contacts carry in steady sliding; where supports prescribe, what they bear too."""
+        """Return lines about contact forces in steady sliding, and reactions of moved supports."""
         data = self.data
         lines = steady_lines(data["steady_sliding"]) if "steady_sliding" in data else []
         if self.scene.backends == "matrices" or not self.scene.prescribes:
             return lines
         return lines + [
-            f"{name}, {self.scene.bodies[name].supports[number].surface}: support bears "
+            f"{name}, {self.scene.bodies[name].supports[number].surface}: support force "
             f"{', '.join(f'{part:.6g}' for part in force)} N"
             for name, forces in data.get("reactions", {}).items()
             for number, force in enumerate(forces)
         ]
 
     def table(self) -> Any:
-        """Rows that say what was found: of modes a :class:`cea.mode_table.ModeTable`.
+        """Return the rows of the result: a :class:`cea.mode_table.ModeTable` of the modes.
 
-        Of a static analysis a row for each side of each contact: extremes and oscillation of the
-        normal stress (N/m^2).
+        A static analysis has a row for each side of each contact, with extremes and oscillation of
+        the normal stress (N/m^2).
         """
         if self.spectrum is not None:
             return self.spectrum.table(self.analysis.growth_threshold)

@@ -1,4 +1,4 @@
-"""Arrays of numpy and scipy from distributed vectors and matrices."""
+"""Displacements and matrices of results as numpy and scipy arrays."""
 
 from collections.abc import Callable, Iterable, Mapping
 from math import inf
@@ -29,10 +29,10 @@ def displacements(
     prescribed: float = 0.0,
     everywhere: bool = True,
 ) -> Complexes:
-    """Displacements (m), (n, dim, k), of k vectors of unknowns at points; collective.
+    """Return displacements (m), (n, dim, k), at points for k vectors of unknowns; collective.
 
-    Places and points are those of :meth:`scenes.results.result.Result.mode_shapes`; vectors are the
-    rows of this rank; a part of what supports prescribe is added.
+    ``place`` and ``at`` are as in :meth:`scenes.results.result.Result.mode_shapes`; ``vectors`` are
+    the rows of this rank; ``prescribed`` is the factor of the prescribed displacements to add.
     """
     name, trace = _trace(system, place, at)
     body, comm = system.bodies[name], system.bodies[name].comm
@@ -59,7 +59,7 @@ def displacements(
 def _trace(
     system: CoupledSystem, place: str, at: SurfaceCoordinates | csr_array | None
 ) -> tuple[str, csr_array | None]:
-    """Body of a place, and values of its basis functions at points there."""
+    """Return the body of a place, and the values of its basis functions at the points."""
     body, _, name = place.partition(".")
     if body not in system.bodies:
         raise InputError("place", place, f"one of {', '.join(system.bodies)}")
@@ -73,7 +73,7 @@ def _trace(
 
 
 def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[str, csr_array]:
-    """Matrices of bodies and contacts, as :meth:`scenes.results.result.Result.matrices` says."""
+    """Return the matrices of :meth:`scenes.results.result.Result.matrices`; collective."""
     for contact in system.contacts:
         name = f"contacts.{contact.pair}.P"
         if not values.get(name, 0.0) < inf:
@@ -95,13 +95,13 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
 
 
 def given_matrices(pencil: Pencil, values: Mapping[str, float], template: Any) -> dict[str, Any]:
-    """M, C where there is one, and K of a pencil of matrices from files; collective."""
+    """Return M, C if there is damping, and K of a pencil of matrices from files; collective."""
     letters = {"mass": "M", "damping": "C", "stiffness": "K"}
     return _sums(pencil.terms, values, template, lambda term: letters[term.role])
 
 
 def _name(term: Term) -> str:
-    """Name of the sum that a term of bodies or contacts belongs to."""
+    """Return the name of the matrix that a term of bodies or contacts belongs to."""
     if term.role == "stiffness":
         both = ("K_n", "K_f") if term.contact else ("K", "K_c")
         return both[0 if term.symmetric else 1]
@@ -115,9 +115,9 @@ def _sums(
     name_of: Callable[[Term], str],
     names: Iterable[str] = (),
 ) -> dict[str, csr_array]:
-    """Sums of terms by name, of some names zero where there is none, on rank 0 alone; collective.
+    """Sum terms by name on rank 0, with zero matrices for ``names`` without terms; collective.
 
-    K_f stands in the pencil with a minus sign.
+    K_f enters the pencil with a minus sign.
     """
     pieces: dict[str, list[tuple[float, Any]]] = {name: [] for name in names}
     for term in terms:
@@ -137,6 +137,6 @@ def _sums(
 
 
 def _whole(name: str, rows: csr_array, comm: Any) -> dict[str, csr_array]:
-    """A matrix of which each rank has its rows, whole under a name, on rank 0 alone; collective."""
+    """Gather the rows of a matrix on rank 0 as ``{name: matrix}``, ``{}`` elsewhere; collective."""
     parts = comm.gather(rows)
     return {name: csr_array(vstack(parts, format="csr"))} if parts is not None else {}

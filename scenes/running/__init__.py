@@ -1,1 +1,1 @@
-"""From a scene to its result, a module for each kind of analysis."""
+"""Runs of scenes, with one module for each kind of analysis."""

@@ -1,4 +1,4 @@
-"""Scenes run by their kind of analysis, and results opened again."""
+"""Run a scene according to its kind of analysis, and open stored results."""
 
 import json
 from importlib import import_module
@@ -23,8 +23,8 @@ ANALYSES = {
     "static": ("scenes.running.static", "run_static"),
     "matrices": ("scenes.running.matrices", "run_matrices"),
 }
-"""Modules and functions that run a scene, by ``analysis.kind``; a scene of matrices is named here
-alone."""
+"""Modules and functions that run a scene, by ``analysis.kind``; ``matrices`` stands for scenes of
+matrices, whose kind is ``cea``."""
 
 
 def run_scene(scene: "Scene | MatrixScene", **options: Any) -> Result:
@@ -33,14 +33,14 @@ def run_scene(scene: "Scene | MatrixScene", **options: Any) -> Result:
     Parameters
     ----------
     scene
-        The scene.
+        Scene of bodies or of matrices.
     options
         See :class:`scenes.running.system.RunOptions`.
 
     Raises
     ------
     InputError
-        When the machine has not the memory it takes.
+        If the memory of the machine does not suffice.
     """
     module, name = ANALYSES[scene.analysis.kind if isinstance(scene, Scene) else "matrices"]
     return cast(Result, getattr(import_module(module), name)(scene, **options))
@@ -52,19 +52,19 @@ def open_result(file: str | Path) -> Result:
     Parameters
     ----------
     file
-        A ``result.json``; compressed where it ends in ``.gz``.
+        A ``result.json``, compressed if its name ends in ``.gz``.
 
     Raises
     ------
     InputError
-        When there is no such file, or it is no record of a run.
+        If the file does not exist or is not the record of a run.
     """
     data = read_record(file)
     try:
         record = RunRecord.model_validate_json(json.dumps(data), strict=True)
     except ValidationError as error:
         first = problems(error, data, {})[0]
-        raise InputError("file", str(file), f"a stored result; broken at {first}") from error
+        raise InputError("file", str(file), f"a stored result; invalid field {first}") from error
     from scenes.spec.matrices import read_matrix_scene
 
     read: Any = read_matrix_scene if "files" in record.scene else read_scene

@@ -18,41 +18,40 @@ from scenes.running.system import coupled, system_warnings
 from scenes.spec.reading import Scene
 
 _SAMPLES = 5
-"""Values at which growth is sought before a threshold is bisected."""
+"""Number of values at which unstable modes are sought to bracket a threshold before bisection."""
 _RESOLVED = 1e-8
-"""Relative width of an interval that is bisected no more."""
+"""Relative width of the bracket at which bisection ends."""
 
 
 class AssembledScene:
     """A scene whose matrices are the pieces of a parametric pencil.
 
-    Modes of the scene with fields changed are those of a fresh run. At another E or rho, damping or
-    rate of rotation of a body, at another P or mu, pressure, speed or slope of friction of a
-    contact, that needs no assembly, as far as the state of steady sliding and the forms of contacts
-    stay. Other changes build again the bodies that they touch, the contacts and the state of steady
-    sliding.
+    Modes of the scene with fields changed equal those of a fresh run. Changes of E, rho, damping or
+    rate of rotation of a body, and of P, mu, pressure, speed or slope of friction of a contact need
+    no assembly, unless they change the state of steady sliding or the form of a contact. Other
+    changes rebuild the affected bodies, the contacts and the state of steady sliding.
 
     Parameters
     ----------
     scene
-        A scene whose analysis asks for modes; another is refused with an InputError.
+        A scene with a complex eigenvalue analysis; others raise an InputError.
     listener
         Called with the name of each stage as it begins.
 
     Attributes
     ----------
     bodies
-        Its bodies by name.
+        Bodies by name.
     driver
-        What solves its pencil.
+        Eigensolver of the pencil.
     timer
-        Seconds that assembly took, by stage.
+        Times of assembly (s) by stage.
     """
 
     def __init__(self, scene: Scene, listener: Callable[[str], None] | None = None) -> None:
         self.scene = scene
-        _ = scene.window  # refused where the analysis gives no modes
-        # Friction is kept where mu = 0: a sweep may begin there.
+        _ = scene.window  # raises for a static analysis
+        # Friction terms are kept at mu = 0, where a sweep may begin.
         self._system, self.timer = coupled(scene, leave_out=False, listener=listener)
         self.bodies = self._system.bodies
         with self.timer("assembly"):
@@ -60,12 +59,12 @@ class AssembledScene:
 
     @property
     def bonded(self) -> list[str]:
-        """Contacts that cannot slide."""
+        """Names of the bonded contacts, which cannot slide."""
         contacts = self.scene.contacts.items()
         return [name for name, each in contacts if each.formulation.coupling == "bonded"]
 
     def depends_on_state(self, names: Sequence[str]) -> bool:
-        """Whether parameters move a state of steady sliding that the pencil is linearised about."""
+        """Whether the state of steady sliding depends on one of the parameters."""
         moving = self.driver.pencil.at_rest().names
         return self.scene.slides_steadily and not moving.isdisjoint(names)
 
@@ -77,25 +76,25 @@ class AssembledScene:
         listener: Callable[[str], None] | None = None,
         **of_every_contact: Any,
     ) -> Result:
-        """Modes of the scene with fields changed.
+        """Compute the modes of the scene with fields changed.
 
         Parameters
         ----------
         changes
-            Values by their paths, as :meth:`scenes.spec.reading.Scene.change` takes them.
+            Values by path, as in :meth:`scenes.spec.reading.Scene.change`.
         left
-            Whether left eigenvectors are wanted too, for sensitivities.
+            Whether to compute left eigenvectors too, for sensitivities.
         listener
             Called with the name of each stage as it begins.
         of_every_contact
-            Fields of every contact that can slide, e.g. ``mu = 0.3``: bonded ones stay as they are.
+            Fields of every contact that is not bonded, e.g. ``mu = 0.3``.
 
         Raises
         ------
         SceneError
-            When a change is refused.
+            If a changed scene is invalid.
         InputError
-            When the analysis is changed to another, or no contact can slide.
+            If the kind of analysis is changed, or fields are given but all contacts are bonded.
         """
         sliding = [name for name in self.scene.contacts if name not in self.bonded]
         every: dict[str, Any] = {}
@@ -115,11 +114,11 @@ class AssembledScene:
         left: bool = False,
         listener: Callable[[str], None] | None = None,
     ) -> Result:
-        """Modes of the scene at parameters of its pencil, by name, as :meth:`threshold` takes them.
+        """Compute the modes at parameters of the pencil, by name as in :meth:`threshold`.
 
-        Of a field that is an expression a parameter is a factor on it, where :meth:`modes` puts a
-        number in its place. A SceneError refuses values that a scene may not have, an InputError
-        what is no parameter.
+        If the field is an expression, the parameter is a factor on it, whereas :meth:`modes`
+        replaces it by a number. Raises a SceneError for values that a scene may not have, and an
+        InputError for unknown parameters.
         """
         scene = at_parameters(self.scene, self.driver.pencil, values)
         return self._modes(scene, values, left=left, listener=listener)
@@ -132,7 +131,7 @@ class AssembledScene:
         left: bool,
         listener: Callable[[str], None] | None,
     ) -> Result:
-        """Modes of another scene, that of the pencil at some parameters where these are given."""
+        """Compute the modes of a scene, from the assembled pencil if it is valid at ``values``."""
         if values is None or not self._holds_at(values):
             return run_modes(scene, left=left, bodies=self.bodies, listener=listener)
         return solved(scene, self._system, StageTimer(listener), self.driver, values, left=left)
@@ -140,7 +139,7 @@ class AssembledScene:
     def warnings(
         self, modes: Modes, max_frequency: float, values: Mapping[str, float]
     ) -> tuple[ResultWarning, ...]:
-        """What modes up to a frequency (Hz) must be read with at other parameters; collective."""
+        """Return the warnings about modes up to a frequency (Hz) at parameters; collective."""
         scene = at_parameters(self.scene, self.driver.pencil, values)
         inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
         return result_of_modes(scene, self._system, StageTimer(), inside).warnings
@@ -148,31 +147,31 @@ class AssembledScene:
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
     ) -> ConfirmedThreshold:
-        """The first value of a parameter at which a pair of modes begins to flutter.
+        """Return the first value of a parameter at which a pair of modes begins to flutter.
 
-        With damping or rotation it is where a growth rate passes through zero. Thresholds are
-        sought on a reduced model between both values, and confirmed by full solves. Where the state
-        of steady sliding depends on the parameter, both are sought anew at every value, and the
-        threshold is bisected: the first one that values a quarter of the way apart tell of.
+        With damping or rotation it is where a growth rate crosses zero. Thresholds are located with
+        a reduced model between both values and confirmed by full solves. If the state of steady
+        sliding depends on the parameter, state and modes are recomputed at every value, and the
+        threshold is bisected in the first quarter of the interval at whose end a mode grows.
 
         Parameters
         ----------
         parameter
             Path of a parameter of the pencil: mu or P of a contact, E or rho of a body, e.g.
             ``contacts.pad_disc.mu``, ``bodies.disc.damping.alpha``, ``bodies.disc.rotation.rate``,
-            ``contacts.pad_disc.sliding.speed``; a factor where the field is an expression. An
-            asterisk stands for every name: ``contacts.*.mu`` of all contacts, which have one value.
+            ``contacts.pad_disc.sliding.speed``; a factor if the field is an expression. An asterisk
+            matches every name: ``contacts.*.mu`` sets mu of all contacts to the same value.
         real, flutter
-            Values between which it is sought, the first one seen from ``real``.
+            Ends of the search interval; the search starts at ``real``.
         frequency
-            The threshold nearest to it (Hz) is taken; None takes the first one.
+            Select the threshold closest to this frequency (Hz); by default the first one.
 
         Raises
         ------
         InputError
-            When there is no such parameter, or nothing begins to grow between the values.
+            If there is no such parameter, or no mode begins to grow between the values.
         ConvergenceError
-            When spectra do not tell of thresholds, or there is no state of steady sliding.
+            If the spectra do not determine a threshold, or no state of steady sliding is found.
         """
         names = parameters_meant(self.driver.pencil, parameter)
         if self.depends_on_state(names):
@@ -197,7 +196,7 @@ class AssembledScene:
     def _bisected_threshold(
         self, names: Sequence[str], real: float, flutter: float
     ) -> ConfirmedThreshold:
-        """A threshold by bisection, the state of steady sliding sought anew at every value."""
+        """Return a threshold by bisection; recompute the state of steady sliding at each value."""
 
         def at(value: float) -> tuple[Result, bool]:
             scene = at_parameters(self.scene, self.driver.pencil, dict.fromkeys(names, value))
@@ -210,8 +209,8 @@ class AssembledScene:
             if grows:
                 break
             low = high
-        if low == high:  # a mode grows at once, or none does
-            allowed = f"a value on the way to which from {real:g} a mode begins to grow"
+        if low == high:  # a mode grows at ``real``, or none does
+            allowed = f"a value such that a mode begins to grow between {real:g} and it"
             raise InputError("flutter", flutter, allowed)
         while abs(high - low) > _RESOLVED * abs(high):
             middle = 0.5 * (low + high)
@@ -224,7 +223,7 @@ class AssembledScene:
         return ConfirmedThreshold(", ".join(names), high, fastest, found.warnings)
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
-        """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
+        """Whether the assembled system equals that of a fresh run at parameters."""
         try:
             self.driver.pencil.values(values)
         except InputError:
@@ -234,10 +233,10 @@ class AssembledScene:
         return same and not self.depends_on_state(list(values))
 
     def free(self) -> None:
-        """Free factors kept between solves."""
+        """Free the factors that are kept between solves."""
         self.driver.free()
 
 
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:
-    """Assemble a scene to be solved many times; parameters and errors of the class."""
+    """Return an :class:`AssembledScene`; parameters and errors are those of the class."""
     return AssembledScene(scene, listener)

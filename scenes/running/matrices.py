@@ -1,4 +1,4 @@
-"""Scenes of matrices from files to modes: one run, or many at other parameters."""
+"""Runs of scenes of matrices: a single run, or many at different parameters."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -15,11 +15,11 @@ from scenes.spec.matrices import ROLES, MatrixScene
 
 
 class AssembledMatrices:
-    """A scene of matrices read once and solved many times, at other parameters.
+    """A scene of matrices that is read once and solved many times at different parameters.
 
-    It has its matrices by name, ``pieces``, and a ``driver`` that solves its pencil; ``listener``
-    is called with the name of each stage as it begins. An InputError refuses a file that holds no
-    such matrix, other sizes, and a mass that is not symmetric.
+    Attributes are the matrices by name, ``pieces``, and the eigensolver ``driver`` of the pencil;
+    ``listener`` is called with the name of each stage as it begins. Raises an InputError for a file
+    without the matrix, different sizes, and a mass matrix that is not symmetric.
     """
 
     def __init__(self, scene: MatrixScene, listener: Callable[[str], None] | None = None) -> None:
@@ -37,15 +37,15 @@ class AssembledMatrices:
         left: bool = False,
         listener: Callable[[str], None] | None = None,
     ) -> Result:
-        """Modes of the scene with parameters and the window changed.
+        """Compute the modes of the scene with parameters and the window changed.
 
-        Parameters and errors are those of :meth:`scenes.AssembledScene.modes`; changes of files or
-        sums are refused, and a mass that is not positive definite.
+        Parameters and errors are those of :meth:`scenes.AssembledScene.modes`. Changes of files or
+        sums and a mass that is not positive definite raise an InputError.
         """
         scene = self.scene.change(dict(changes or {}))
         for name in ("files", "symmetric", "data", *ROLES):
             own, new = getattr(self.scene, name), getattr(scene, name)
-            require(new == own, name, new, "as it was read: other matrices are another scene")
+            require(new == own, name, new, "unchanged: assemble another scene for other matrices")
         timer, window = StageTimer(listener), scene.window
         self._check_mass(scene.values, timer)
         top, low = window.max_frequency, window.min_growth
@@ -57,10 +57,10 @@ class AssembledMatrices:
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
     ) -> ConfirmedThreshold:
-        """The first value of a parameter at which a mode begins to grow; undamped, to flutter.
+        """Return the first value of a parameter at which a mode begins to grow.
 
-        Parameters and errors are those of :meth:`scenes.AssembledScene.threshold`, the parameter
-        is one as ``parameters.Omega``.
+        Parameters and errors are those of :meth:`scenes.AssembledScene.threshold`, with a parameter
+        such as ``parameters.Omega``.
         """
         for value in (real, flutter):
             self._check_mass(self.scene.change({parameter: value}).values, StageTimer())
@@ -70,7 +70,7 @@ class AssembledMatrices:
         )
 
     def _check_mass(self, values: Mapping[str, float], timer: StageTimer) -> None:
-        """Refuse a mass that is not positive definite, once for equal coefficients."""
+        """Raise an InputError if the mass is not positive definite; skip unchanged coefficients."""
         mass = self.scene.sum("mass")
         coefficients = tuple(coefficient.at(values) for coefficient in mass.values())
         if coefficients != self._checked:
@@ -79,14 +79,14 @@ class AssembledMatrices:
             self._checked = coefficients
 
     def free(self) -> None:
-        """Free factors kept between solves."""
+        """Free the factors that are kept between solves."""
         self.driver.free()
 
 
 def run_matrices(
     scene: MatrixScene, *, left: bool = False, listener: Callable[[str], None] | None = None
 ) -> Result:
-    """Modes of a scene of matrices; parameters and errors of :meth:`AssembledMatrices.modes`."""
+    """Compute the modes of a scene of matrices; see :meth:`AssembledMatrices.modes`."""
     assembled = AssembledMatrices(scene, listener)
     result = assembled.modes(left=left, listener=listener)
     for stage, seconds in assembled.timer.seconds.items():
@@ -96,7 +96,7 @@ def run_matrices(
 
 
 def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str]:
-    """What a scene of matrices does not need, or gives without use, with the reason."""
+    """Return the stages that the scene does not need and its unused inputs, with reasons."""
     values, sums = scene.values, {role: scene.sum(role) for role in ROLES}
     acting = {role: [n for n, c in sums[role].items() if c.at(values) != 0] for role in ROLES}
     without = ("meshing", "search", "contact", "pictures", "paraview")
@@ -112,5 +112,5 @@ def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str
         if all(symmetric for _, symmetric in parts):
             skipped["unsymmetric solver"] = "every matrix of the stiffness is symmetric"
         if scene.window.min_growth is not None:
-            unused["analysis.min_growth"] = "nothing damps, and every growth is sought"
+            unused["analysis.min_growth"] = "without damping, the growth rate has no limit"
     return skipped | {field: f"{GIVEN}{reason}" for field, reason in unused.items()}

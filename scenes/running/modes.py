@@ -1,4 +1,4 @@
-"""Complex eigenvalue analysis: a scene to its modes, and its modes to data and back."""
+"""Complex eigenvalue analysis of a scene."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -17,27 +17,27 @@ from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.reading import Scene
 
 STATE_KEPT = "steady-state-kept"
-"""Kind of the warning that a state is not the one at other parameters."""
+"""Kind of the warning that derivatives ignore the dependence of steady sliding on parameters."""
 
 
 def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]) -> Result:
-    """Modes of a scene whose analysis asks for them.
+    """Compute the modes of a scene.
 
     Parameters
     ----------
     scene
-        The scene.
+        Scene with a complex eigenvalue analysis.
     left
-        Whether left eigenvectors are wanted too, for sensitivities and true condition numbers.
+        Whether to compute left eigenvectors too, for sensitivities and true condition numbers.
     options
         See :class:`RunOptions`.
 
     Raises
     ------
     InputError
-        When the analysis is another.
+        If the scene has another kind of analysis.
     """
-    _ = scene.window  # refused before work begins where the analysis gives no modes
+    _ = scene.window  # raises for a static analysis
     system, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil()
@@ -54,7 +54,7 @@ def solved(
     *,
     left: bool = False,
 ) -> Result:
-    """Modes of a scene whose system is assembled; collective."""
+    """Compute the modes of an assembled scene; collective."""
     top, low = scene.window.max_frequency, scene.window.min_growth
 
     def solve() -> Modes:
@@ -71,9 +71,9 @@ def result_of_modes(
     timer: StageTimer,
     modes: Modes,
 ) -> Result:
-    """Modes of a scene as a result, with all that they must be read with; collective.
+    """Return the result of modes, with all warnings added; collective.
 
-    The parameters are those of :func:`solved`; modes come with what the solver warns of.
+    Parameters are those of :func:`solved`; ``modes`` have the warnings of the solver.
     """
     result = Result(
         scene,
@@ -88,7 +88,7 @@ def result_of_modes(
         warnings += system_warnings(scene, system, modes.values)
         moving = ", ".join(sorted(modes.pencil.at_rest().names))
         if system.steady is not None and modes.left is not None and moving:
-            told = f"the state of steady sliding depends on {moving}, and is kept in derivatives"
+            told = f"derivatives ignore that the state of steady sliding depends on {moving}"
             warnings.append(ResultWarning(STATE_KEPT, told, {"parameters": moving}))
         warnings += short_modes(scene, system.bodies, result.mode_shapes, len(modes))
     return replace(result, warnings=tuple(warnings))

@@ -1,4 +1,4 @@
-"""Errors of eigenvalues in a richer space: a degree more, or elements bisected."""
+"""Error estimates of eigenvalues in a richer space: a higher degree or bisected elements."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -23,11 +23,11 @@ from scenes.spec.reading import Scene
 Enrichment = Literal["degree", "bisection", "smooth"]
 
 _HIGHEST = {"fe": 4, "iga": 8}
-"""Highest degrees of the backends."""
+"""Highest degree of each backend."""
 
 
 def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Any:
-    """Prolongation from the free displacements of a scene to those of a finer one; collective."""
+    """Return the prolongation of free displacements from coarse to fine bodies; collective."""
     return of_system([of_body(coarse[name], fine[name]) for name in fine])
 
 
@@ -38,29 +38,28 @@ def estimate_errors(
     steps: int = 2,
     listener: Callable[[str], None] | None = None,
 ) -> ErrorEstimate:
-    """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
+    """Estimate the errors of the eigenvalues of a scene in a richer space; collective.
 
-    Where the left vectors that this takes are missing, the scene is solved once more with them:
-    ``run_modes(scene, left=True)`` saves that. It takes one factorisation of the richer scene, and
-    in every step a block of solves for the right vectors and one for the left ones; no eigenproblem
-    (:mod:`cea.nested.estimate`). What the contact rule of the richer scene does better is part of
-    the error.
+    If left eigenvectors are needed and missing, the scene is solved again with them; compute them
+    with ``run_modes(scene, left=True)`` to avoid this. The estimate needs one factorisation of the
+    richer scene, and in each step a block of solves for the right and one for the left vectors, but
+    no eigensolution (:mod:`cea.nested.estimate`). A better contact rule in the richer scene counts.
 
     Parameters
     ----------
     result
         Modes of the scene.
     richer
-        A richer scene; by default the same with a degree more (:func:`richer_scene`).
+        A richer scene; by default that with a degree more (:func:`richer_scene`).
     steps
-        Block inverse steps; after one nothing is known of what remains.
+        Number of block inverse iterations; one does not give an estimate of the remaining error.
     listener
         Called with the name of each stage as it begins.
 
     Raises
     ------
     InputError
-        When there are no modes, or the scenes are not of the same bodies.
+        If there are no modes, or the scenes have different bodies.
     """
     scene = richer if richer is not None else richer_scene(result.scene)
     own, names = result.scene, list(scene.bodies)
@@ -83,28 +82,29 @@ def estimate_errors(
 
 
 def richer_scene(scene: Scene, by: Enrichment | None = "degree") -> Scene:
-    """The scene with the space of every body enriched; shapes and contacts stay.
+    """Return the scene with the space of every body enriched; shapes and contacts do not change.
 
-    The new spaces hold the old ones but for curved Lagrange cells, whose geometry is refined too,
-    so that its error is seen, for NURBS of higher continuity, and for stretches of elements that do
-    not double where they are bisected ``through`` given coordinates.
+    The new spaces contain the old ones, with three exceptions: curved Lagrange cells, whose
+    geometry is refined too to include its error; NURBS of higher continuity; and bisection of
+    elements ``through`` given coordinates, if the number of elements of a part does not double.
 
     Parameters
     ----------
     scene
-        The scene.
+        The scene to enrich.
     by
-        ``"degree"``: a degree more; NURBS keep their continuity.
+        ``"degree"``: one degree higher; NURBS keep their continuity.
         ``"bisection"``: twice the elements along each direction.
-        ``"smooth"``: a degree and a continuous derivative more, which adds few unknowns; NURBS
-        only.
-        None: what shows errors of singular solutions too, and is not too dear: bisection in the
-        plane, in space a degree more, for NURBS smooth; where there is no degree more bisection.
+        ``"smooth"``: one degree and one continuous derivative higher, which adds few unknowns;
+        NURBS only.
+        None: a choice that also shows the errors of singular solutions at moderate cost. In the
+        plane bisection; in three dimensions one degree higher, smooth for NURBS, and bisection at
+        the highest degree.
 
     Raises
     ------
     InputError
-        When a degree is the highest already, or a mesh is not made of elements along directions.
+        If a degree is already the highest, or the mesh to bisect has no numbers of elements.
     """
     if by not in (None, *get_args(Enrichment)):
         raise InputError("by", by, " or ".join(map(repr, get_args(Enrichment))))
@@ -132,15 +132,15 @@ def _mesh(field: str, body: BodySpec, by: Enrichment) -> MeshSpec:
     if by == "smooth" and body.backend == "fe":
         raise InputError("by", by, "'degree' or 'bisection' for Lagrange elements")
     if by != "bisection" and degree >= highest:
-        allowed = f"below {highest} to be raised, or elements bisected"
+        allowed = f"below {highest} to be raised; bisect elements instead"
         raise InputError(f"{field}.degree", degree, allowed)
     if mesh is None:
         if by != "degree":
-            raise InputError(field, by, "'degree': cells of a file stay as they are")
+            raise InputError(field, by, "'degree': cells of a mesh file cannot be bisected")
         return replace(body.mesh, degree=degree + 1)
     if by == "bisection":
         if mesh.elements is None:
-            allowed = "left out: elements that can be bisected"
+            allowed = "left out, with elements given instead, for bisection"
             raise InputError(f"{field}.fe.size", getattr(mesh, "size", None), allowed)
         finer: FeMesh | IgaMesh = replace(mesh, elements=tuple(2 * n for n in mesh.elements))
     elif isinstance(mesh, IgaMesh):

@@ -1,4 +1,4 @@
-"""Static analysis: a scene to its displacement and contact stresses, to data and back."""
+"""Static analysis of a scene: displacements and contact stresses."""
 
 from typing import Unpack
 
@@ -15,12 +15,12 @@ from scenes.spec.reading import Scene, StaticAnalysis
 
 
 def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
-    """Displacement of a scene whose analysis asks for it; options are :class:`RunOptions`.
+    """Compute displacements and contact stresses of a scene; options are :class:`RunOptions`.
 
     Raises
     ------
     InputError
-        When the analysis is another.
+        If the scene has another kind of analysis.
     """
     if not isinstance(scene.analysis, StaticAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")

@@ -1,7 +1,7 @@
-"""Parameters of a pencil and fields of its scene: names that mean them, changes that they make.
+"""Relation of the parameters of a pencil to the fields of its scene.
 
-A field is a parameter of an assembled pencil where that has one by its path, with the value that
-the scene had: all of it that the field reaches is then a coefficient.
+A field of the scene is a parameter of the assembled pencil if the pencil has one with the path of
+the field and its value: the pencil then depends on the field through coefficients alone.
 """
 
 import re
@@ -25,7 +25,7 @@ _SHORT = {
     "beta": "bodies.*.damping.beta",
     "Omega": "bodies.*.rotation.rate",
 }
-"""Short names of what contacts and bodies have."""
+"""Short names of fields of all contacts or all bodies."""
 _OF_EACH_SOLVE = (
     "analysis.max_frequency",
     "analysis.min_growth",
@@ -35,55 +35,55 @@ _OF_EACH_SOLVE = (
     "output.pictures",
     "output.paraview",
 )
-"""Fields that no piece of a pencil is made of; one that is missing here costs an assembly."""
+"""Fields that do not affect the pencil; a change of any other field needs a new assembly."""
 _ROUNDING = 1e-12
-"""Of a parameter that is a sum over points, relative to the field it stands for."""
+"""Relative tolerance between a parameter, which may be a sum over points, and its field."""
 
 
 def means_several(name: str) -> bool:
-    """Whether a name is short for paths of parameters, or has asterisks in it."""
+    """Whether a name is a short name or contains asterisks."""
     return name in _SHORT or "*" in name
 
 
 def _meant(name: str, path: str, bonded: Iterable[str]) -> bool:
-    """Whether a name means a path, asterisks standing for names; short ones mean nothing bonded."""
+    """Whether a name matches a path; asterisks match names, short names skip bonded contacts."""
     pattern = re.escape(_SHORT.get(name, name)).replace(r"\*", r"[^.]+")
     aside = name in _SHORT and any(path.startswith(f"contacts.{each}.") for each in bonded)
     return re.fullmatch(pattern, path) is not None and not aside
 
 
 def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> list[str]:
-    """Parameters of a pencil that a name means."""
+    """Return the parameters of a pencil that a name matches."""
     found = [each for each in pencil.parameters if _meant(name, each, bonded)]
     there = ", ".join(sorted(pencil.parameters)) or "none"
-    allowed = f"one of {there}; of others cea sweep ... --full solves each value in full"
+    allowed = f"one of {there}; for others cea sweep ... --full solves each value in full"
     require(bool(found), "parameter", _SHORT.get(name, name), allowed)
     return found
 
 
 def stiffnesses_meant(contacts: Mapping[str, ContactSpec], name: str) -> dict[str, float]:
-    """The p of each contact whose p a name means: P is proportional to it."""
+    """Return p of each contact whose field p a name matches; P is proportional to it."""
     bonded = [each for each, spec in contacts.items() if spec.formulation.coupling == "bonded"]
     found = {}
     for each, spec in contacts.items():
         path = f"contacts.{each}.p"
         if _meant(name, path, bonded):
             if not isinstance(spec.p, float) or not isfinite(spec.p):
-                allowed = f"a finite number in the scene; or contacts.{each}.P, or c_n, as it gives"
+                allowed = f"a finite number in the scene, or contacts.{each}.P or c_n instead"
                 raise InputError(path, spec.p, allowed)
             found[each] = spec.p
     return found
 
 
 def in_saddle_form(scene: Scene) -> Scene:
-    """The scene with the forces of contacts at points as unknowns: none is lost to stiffness."""
+    """Return the scene with pointwise contacts in saddle form, which loses no digits."""
     contacts = scene.contacts.items()
     pointwise = [name for name, each in contacts if each.formulation.coupling == "pointwise"]
     return scene.change({f"contacts.{name}.form": "saddle" for name in pointwise})
 
 
 def no_two_alike(groups: Sequence[Iterable[str]], names: Sequence[str]) -> None:
-    """Refuse axes that mean one parameter twice."""
+    """Raise an InputError if two axes match the same parameter."""
     seen: dict[str, int] = {}
     for number, (group, name) in enumerate(zip(groups, names, strict=True)):
         for each in group:
@@ -95,7 +95,7 @@ def no_two_alike(groups: Sequence[Iterable[str]], names: Sequence[str]) -> None:
 def parameters_changed(
     pencil: Pencil, old: Scene, new: Scene, paths: Iterable[str]
 ) -> dict[str, float] | None:
-    """Parameters at which a pencil is that of a scene with fields changed; None: it is another."""
+    """Return the parameters at which the pencil is that of the changed scene; None if none are."""
     values: dict[str, float] = {}
     for path in paths:
         parameter = pencil.parameters.get(path)
@@ -111,7 +111,7 @@ def parameters_changed(
 
 
 def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> Scene:
-    """The scene whose pencil is that of another one at some parameters."""
+    """Return the scene whose pencil equals that of ``scene`` at the given parameters."""
     bodies = dict(scene.bodies)
     for name in {path.split(".")[1] for path in values if ".damping." in path}:
         damping = bodies[name].damping
@@ -130,7 +130,7 @@ def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> 
 
 
 def _scaled(field: Any, value: float, own: float) -> Any:
-    """A field where its parameter has another value than its own."""
+    """Return a field with its parameter changed from ``own`` to ``value``."""
     if own == 0 or isinstance(field, float):
         return value
     factor = value / own
@@ -140,7 +140,7 @@ def _scaled(field: Any, value: float, own: float) -> Any:
 
 
 def _field(scene: Scene, path: str) -> Any:
-    """Value of a field of a body or a contact; None where its section is not there."""
+    """Return the value of a field of a body or a contact; None if its section is missing."""
     section, name, *fields = path.split(".")
     found: Any = getattr(scene, section)[name]
     for field in fields:

@@ -1,4 +1,4 @@
-"""The coupled system of a scene, linearised about steady sliding where a contact has a law."""
+"""The coupled system of a scene, linearised about steady sliding if a contact has a law."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -20,11 +20,11 @@ class RunOptions(TypedDict, total=False):
     Parameters
     ----------
     bodies
-        Bodies of an earlier run: those that the scene makes of the same mesh, material, supports,
-        springs and loads are used again with their matrices, others are built.
+        Bodies of an earlier run. Those with the same mesh, material, supports, springs and loads
+        are reused with their matrices; others are built.
     leave_out
-        Whether friction is left out where mu = 0, as it is by default; changes of mu from there
-        need it.
+        Whether to omit the friction terms of contacts with mu = 0 (default); set False to change
+        mu later.
     listener
         Called with the name of each stage as it begins.
     """
@@ -35,9 +35,9 @@ class RunOptions(TypedDict, total=False):
 
 
 def coupled(scene: Scene, **options: Unpack[RunOptions]) -> tuple[CoupledSystem, StageTimer]:
-    """Coupled matrices of a scene and the seconds they took; collective.
+    """Return the coupled system of a scene and the timer of its assembly; collective.
 
-    They are linearised about steady sliding, which they keep, where a contact has a law.
+    If a contact has a law, the system is linearised about steady sliding and stores that state.
     """
     timer = StageTimer(options.get("listener"))
     check_memory(scene)
@@ -63,7 +63,7 @@ def coupled(scene: Scene, **options: Unpack[RunOptions]) -> tuple[CoupledSystem,
 def system_warnings(
     scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
 ) -> tuple[ResultWarning, ...]:
-    """What bodies, contacts, their forms and steady sliding must be read with; collective."""
+    """Return the warnings about bodies, contacts, their forms and steady sliding; collective."""
     found = [*warnings_of(scene, system.bodies, system.contacts), *system.warnings_at(values or {})]
     if system.steady is not None:
         from scenes.checking.equilibrium import steady_warnings

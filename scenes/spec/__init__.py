@@ -1,1 +1,1 @@
-"""What a scene file says: one module for each of its sections."""
+"""Dataclasses of scene files, one module for each section, and their checks."""

@@ -1,4 +1,4 @@
-"""What a scene says of a body: supports, damping, loads, and all else it is made of."""
+"""Section of a body in a scene: geometry, material, supports, damping, loads."""
 
 from dataclasses import dataclass, field
 from math import pi
@@ -21,14 +21,14 @@ Backend = Literal["fe", "iga"]
 
 
 def kind(given: Any) -> Any:
-    """Kind of a material, by which messages call the field that says it."""
+    """Return the kind of a material; error messages use the function's name as the field."""
     if isinstance(given, dict):
         return given.get("kind", "isotropic")
     return getattr(given, "kind", "isotropic")
 
 
 def _without_kind(given: Any) -> Any:
-    """An isotropic material as scenes have it, without its kind."""
+    """Return the data of an isotropic material without the field ``kind``."""
     return {k: v for k, v in given.items() if k != "kind"} if isinstance(given, dict) else given
 
 
@@ -41,16 +41,16 @@ Material = Annotated[
 
 
 BACKEND_NAMES = {"fe": "finite elements", "iga": "NURBS"}
-"""Backends by the name shown."""
+"""Displayed name of each backend."""
 
 
 def backend_name(backend: str) -> str:
-    """Name of a backend as shown; "fe+iga" where bodies of both touch."""
+    """Return the displayed name of a backend, or of several: "fe+iga"."""
     return " and ".join(BACKEND_NAMES.get(part, part) for part in backend.split("+"))
 
 
 def file_name(name: str) -> str:
-    """Name of a scene as files bear it: signs but letters, digits, _ and - become _."""
+    """Return the name of a scene for file names: only letters, digits, _ and -, others become _."""
     return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in name)
 
 
@@ -58,20 +58,20 @@ def file_name(name: str) -> str:
 class DampingSpec:
     """Damping of a body: Rayleigh damping C = alpha M + beta K, modal damping, or both.
 
-    The former is given by its factors, or by damping ratios.
+    Rayleigh damping is given by its factors or by damping ratios at two frequencies.
 
     Parameters
     ----------
     alpha
-        Factor on the mass (1/s).
+        Factor of the mass matrix (1/s).
     beta
-        Factor on the stiffness (s).
+        Factor of the stiffness matrix (s).
     ratios
-        Damping ratios at two frequencies, given instead; 1 is critical.
+        Damping ratios at two frequencies, instead of alpha and beta; 1 is critical damping.
     frequencies
-        These frequencies (Hz).
+        The two frequencies (Hz) of ``ratios``.
     modal
-        Damping ratios of the modes of the body alone.
+        Damping ratios of the modes of the uncoupled body.
     """
 
     alpha: float | None = None
@@ -82,27 +82,27 @@ class DampingSpec:
 
     def __post_init__(self) -> None:
         ways = [self.alpha is not None or self.beta is not None, self.ratios is not None]
-        allowed = "alpha, beta or both; or ratios with frequencies; modal, or it beside these"
+        allowed = "alpha, beta or both; or ratios with frequencies; and modal, alone or with these"
         one_way = any(ways) or self.modal is not None
         require(one_way and not all(ways), "ratios", self.ratios, allowed)
         both = (self.ratios is None) == (self.frequencies is None)
-        require(both, "frequencies", self.frequencies, "two where ratios are given")
+        require(both, "frequencies", self.frequencies, "two, if and only if ratios are given")
         self.rayleigh()
 
     @property
     def acts(self) -> bool:
-        """Whether anything is damped."""
+        """Whether any damping is nonzero."""
         modal = self.modal is not None and self.modal.acts
         return modal or self.rayleigh() not in (None, RayleighDamping())
 
     @property
     def in_factors(self) -> "DampingSpec":
-        """The same with factors of Rayleigh damping in the place of ratios, both where one is."""
+        """The same damping with alpha and beta instead of damping ratios."""
         found = self.rayleigh()
         return self if found is None else DampingSpec(found.alpha, found.beta, modal=self.modal)
 
     def rayleigh(self) -> RayleighDamping | None:
-        """Rayleigh damping as the system takes it; None where there is modal damping alone."""
+        """Return the Rayleigh damping; None if there is only modal damping."""
         if self.ratios is not None and self.frequencies is not None:
             return RayleighDamping.of_ratios(self.ratios, self.frequencies)
         if self.alpha is None and self.beta is None:
@@ -111,7 +111,7 @@ class DampingSpec:
 
 
 class Face(NamedTuple):
-    """A face across a direction, at its end 0 or 1, and the coordinate that it lies at."""
+    """A face normal to a direction, at its end 0 or 1, and its coordinate along it."""
 
     direction: str
     end: int
@@ -125,7 +125,7 @@ _FACES = {
     "r": (("inner", "bore"), ("outer",)),
     "theta": (("start",), ("end",)),
 }
-"""Surfaces at both ends of a direction."""
+"""Names of the surfaces at the lower and upper end of each direction."""
 
 
 @dataclass(frozen=True)
@@ -135,23 +135,23 @@ class BodySpec:
     Parameters
     ----------
     backend
-        ``fe``, Lagrange elements, or ``iga``, NURBS.
+        ``fe`` for Lagrange elements, ``iga`` for NURBS.
     geometry
-        Its shape, in coordinates of its own.
+        Shape of the body in its own coordinates.
     material
         Linear elasticity, isotropic if no ``kind`` is given.
     mesh
-        How it is divided, for each backend that it is to be run on.
+        Discretisation for each backend that the body can run on.
     supports
-        Displacements that are held.
+        Prescribed displacements, zero by default.
     springs
         Elastic foundations of surfaces.
     placement
-        Where the shape stands in space.
+        Rotation and translation of the shape in space.
     damping
         Rayleigh and modal damping.
     rotation
-        Steady rotation about its own axis, seen from the frame at rest.
+        Steady rotation about the body's own axis, in the frame at rest.
     """
 
     backend: Backend
@@ -171,7 +171,7 @@ class BodySpec:
 
     @property
     def faces(self) -> dict[str, Face]:
-        """Faces of its shape across its directions, by the names of their surfaces."""
+        """Faces of the shape normal to its coordinate directions, by surface name."""
         shape, found = self.geometry, {}
         for direction, ends in zip(shape.directions, shape.extent, strict=True):
             for end, names in enumerate(_FACES.get(direction, ())):
@@ -182,18 +182,18 @@ class BodySpec:
 
     @property
     def circulates(self) -> bool:
-        """Whether damping is carried along by a rotation."""
+        """Whether the body both rotates and is damped, which adds circulatory terms."""
         return self.rotation is not None and self.damping is not None
 
     @property
     def rotates_in_equilibrium(self) -> bool:
-        """Whether forces of a rotation act on displacements that are at rest in space."""
+        """Whether the rotation adds forces on displacements that are constant in space."""
         convective = self.rotation is not None and self.rotation.convective_stiffness
         return convective or self.circulates
 
     @property
     def lengths(self) -> list[float]:
-        """Lengths (m) of a box that stands for its shape: of an arc, at its middle radius."""
+        """Edge lengths (m) of an equivalent box; arcs are measured at the mean radius."""
         shape = self.geometry
         if isinstance(shape, VentilatedDisc):
             return list(shape.lengths)
@@ -208,47 +208,47 @@ class BodySpec:
 
     @property
     def division(self) -> FeMesh | IgaMesh | None:
-        """Its mesh on its backend; None of a mesh file."""
+        """Mesh for the body's backend; None for a mesh file."""
         return self.mesh.fe if self.backend == "fe" else self.mesh.iga
 
     @property
     def degree(self) -> int:
-        """Lowest degree of its elements."""
+        """Lowest degree of the elements over the directions."""
         mesh = self.division
         return min(mesh.degree) if isinstance(mesh, IgaMesh) else self.fe_degree or 0
 
     @property
     def smooth(self) -> bool:
-        """Whether its elements are splines of some continuity."""
+        """Whether the elements are splines that are at least C1 in every direction."""
         mesh = self.division
         return isinstance(mesh, IgaMesh) and min(mesh.continuities) > 0
 
     @property
     def fe_degree(self) -> int | None:
-        """Degree of its Lagrange elements; None where it has none."""
+        """Degree of the Lagrange elements; None without a Lagrange mesh."""
         if isinstance(self.geometry, MeshFile):
             elements = self.geometry.elements
-            least = 2 if elements.is_divided else 1  # straight tetrahedra are too stiff
+            least = 2 if elements.is_divided else 1  # linear tetrahedra are too stiff
             return self.mesh.degree or max(elements.order, least)
         return self.mesh.fe.degree if self.mesh.fe is not None else None
 
 
 @dataclass(frozen=True)
 class LoadSpec:
-    """A load: a pressure or a force on a surface, or a force on every part of a body.
+    """A load: a pressure or a force on a surface, or a body force.
 
     Parameters
     ----------
     surface
         The surface "body.surface".
     pressure
-        Uniform pressure on it (N/m^2), positive pushes on the body.
+        Uniform pressure on the surface (N/m^2); positive values push on the body.
     force
-        Components of a force (N; N/m in the plane) that is spread evenly over it.
+        Components of a force (N; N/m in the plane), distributed uniformly over the surface.
     body
-        The body, given instead of a surface.
+        The body that ``body_force`` acts on, instead of ``surface``.
     body_force
-        Components of a force for each volume of it (N/m^3).
+        Components of a force per unit volume (N/m^3).
     """
 
     surface: str | None = None
@@ -273,5 +273,5 @@ class LoadSpec:
 
     @property
     def on(self) -> str:
-        """Name of the body it acts on."""
+        """Name of the loaded body."""
         return (self.surface or self.body or "").split(".")[0]

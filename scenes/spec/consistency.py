@@ -1,4 +1,4 @@
-"""What is wrong with a scene between its fields, each of which is right by itself."""
+"""Checks of a scene that involve more than one field, after each field is valid by itself."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -27,34 +27,36 @@ Scene = Any
 """:class:`scenes.spec.reading.Scene`, whose module imports this one."""
 
 LARGEST, SMALLEST = 1e30, 1e-30
-"""Range of numbers, in the unit of each: lengths, stiffness and densities of any units fit, and
-products of a few of them stay in the range of floating point numbers."""
+"""Allowed absolute values of nonzero numbers. Lengths, stiffnesses and densities in any units fit,
+and products of a few of them neither overflow nor underflow."""
 MAX_ELEMENTS = 10**6
-"""Elements along one direction."""
+"""Largest number of elements along one direction."""
 MAX_ITEMS = 200
-"""Bodies, contacts and loads of a scene, supports and springs of a body, of each so many."""
+"""Largest number of bodies, contacts, loads of a scene, and of supports and springs of a body."""
 _LONGEST = 100
-"""Characters of a name."""
+"""Largest number of characters in a name."""
 _PARTING = set(".,[] ")
-"""Characters that part the names of a path, which no name may hold."""
+"""Separators of the names in a path, not allowed in names."""
 _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
-"""Fields of another range: c_n is a pressure over a small length to the power of m_n."""
+"""Upper limits of single fields; c_n is a pressure divided by a small length to the power m_n."""
 _THIN = 1e-12
-"""Smallest range of a coordinate, relative to the coordinate."""
+"""Smallest extent of a shape along a coordinate, relative to the coordinate's magnitude."""
 _CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 _AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
-"""Shapes that a rotation about their own axis leaves as they are, and all of their surfaces."""
+"""Shapes that are axisymmetric with all their surfaces."""
 _ASIDE = 1e-9
-"""Distance of an axis from that of a shape, relative to its radius, and sine of their angle."""
-_ALIKE = "alike all round the axis of the rotation where a body that rotates is damped"
+"""Tolerance of coincident axes: distance relative to the radius of the shape, sine of the angle.
+Also the relative tolerance of axisymmetric tensors."""
+_ALIKE = "axisymmetric about the axis of rotation where a body that rotates is damped"
 
 _Tensor = Callable[[Floats, Floats, Floats], Floats]
-"""A matrix at a point and a normal (1, dim) of a body that is turned by a rotation (dim, dim)."""
-_NEEDS = "left out where no contact has c_n: no state of steady sliding is sought"
+"""Function of a point (1, dim), a normal (1, dim) and the rotation (dim, dim) of the body that
+returns a matrix."""
+_NEEDS = "left out where no contact has c_n: no state of steady sliding is computed"
 
 
 def consistent[S: Any](scene: S) -> S:
-    """The scene; a SceneError where its fields, each of which is right, do not suit each other."""
+    """Return the scene; raise a SceneError if its fields contradict each other."""
     faults = Faults()
     need = faults.require
     _limit_checks(faults, scene)
@@ -68,7 +70,7 @@ def consistent[S: Any](scene: S) -> S:
     for name, contact in scene.contacts.items():
         _contact_checks(faults, scene, f"contacts.{name}", contact, known)
         first = pairs.setdefault(frozenset((contact.a, contact.b)), name)
-        allowed = f"other sides than contacts.{first}, which joins the same surfaces"
+        allowed = f"sides other than those of contacts.{first}, which joins the same surfaces"
         need(first == name, f"contacts.{name}.a", f"{contact.a} on {contact.b}", allowed)
     for i, load in enumerate(scene.loads):
         place = f"loads.{i}"
@@ -87,7 +89,7 @@ def consistent[S: Any](scene: S) -> S:
 
 
 def _limit_checks(faults: Faults, scene: Scene) -> None:
-    """Names that no path holds, more items than anybody has, and extreme numbers."""
+    """Check the lengths and characters of names, numbers of items and magnitudes of numbers."""
     need = faults.require
     check_scene_name(faults, scene.name)
     counts = {name: len(getattr(scene, name)) for name in ("bodies", "contacts", "loads")}
@@ -111,7 +113,7 @@ def _limit_checks(faults: Faults, scene: Scene) -> None:
 
 
 def check_scene_name(faults: Faults, name: str) -> None:
-    """Check the name of a scene, which files and lines on a terminal bear."""
+    """Check the name of a scene, which is used in file names and terminal output."""
     fits = 0 < len(name.strip()) <= len(name) <= _LONGEST and name.isprintable()
     faults.require(fits, "name", name, f"a name of 1 to {_LONGEST} printable characters")
 
@@ -119,19 +121,19 @@ def check_scene_name(faults: Faults, name: str) -> None:
 def _length_checks(
     faults: Faults, lists: Mapping[str, Sequence[float] | None], dim: int, each: str
 ) -> None:
-    """Lists that have another number of entries than space has dimensions."""
+    """Require ``dim`` entries in each list."""
     for place, values in lists.items():
         fits = values is None or len(values) == dim
         faults.require(fits, place, values, f"{dim} numbers, one for each of {each}")
 
 
 def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
-    """Meshes, places, supports and springs that do not suit a shape."""
+    """Check mesh, placement, supports, springs and rotation of a body against its shape."""
     shape, known, mesh, dim = body.geometry, body.geometry.surfaces, body.mesh, body.dim
     before, need = len(faults), faults.require
     for name, (low, high) in zip(shape.directions, shape.extent, strict=True):
         wide, span = high - low > _THIN * max(abs(low), abs(high)), f"{name} from {low} to {high}"
-        need(wide, f"{place}.geometry", span, "a range beyond rounding")
+        need(wide, f"{place}.geometry", span, "a range larger than rounding")
     if len(faults) == before:
         _mesh_checks(faults, f"{place}.mesh", body)
     faults.of(body.placement.check, dim, f"{place}.placement")
@@ -152,13 +154,13 @@ def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
     if isinstance(shape, MeshFile):
         return
     given, some = body.division is not None, mesh != MeshSpec()
-    need(some, f"{place}.mesh", None, "field required, but for a mesh file")
+    need(some, f"{place}.mesh", None, "field required, except for a mesh file")
     allowed = f"needed for {body.backend!r}"
     need(given or not some, f"{place}.mesh.{body.backend}", None, allowed)
 
 
 def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotation) -> None:
-    """Rotations that do not leave a body as it is, and what does not suit them."""
+    """Require that a rotating body is axisymmetric about its axis of rotation."""
     shape, dim, damping = body.geometry.shape, body.dim, body.damping
     faults.of(rotation.check, dim, f"{place}.rotation")
     allowed = f"{', '.join(_AXISYMMETRIC)} to rotate"
@@ -168,7 +170,7 @@ def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotat
     axis, here = body.placement.rotation[:, 2], body.placement.translation
     parallel, on_axis = _are_parallel(axis, rotation.axis), _is_on_axis(body, rotation.origin)
     faults.require(parallel, f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
-    allowed = f"a point of the axis of the body, as {list(here)}"
+    allowed = f"a point on the axis of the body, e.g. {list(here)}"
     faults.require(on_axis, f"{place}.rotation.origin", rotation.origin, allowed)
     law, strains = body.material.elasticity, np.square(np.arange(1.0, dim**2 + 1))
 
@@ -176,7 +178,7 @@ def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotat
         gradient = turn @ strains.reshape(dim, dim) @ turn.T
         return law.stress(gradient[..., None], x.T)[..., 0]
 
-    alike, allowed = _turns(stress, rotation, dim), "the same all round the rotation"
+    alike, allowed = _turns(stress, rotation, dim), "axisymmetric about the axis of rotation"
     faults.require(alike, f"{place}.material", body.material.kind, allowed)
     for i, support in enumerate(body.supports):
         at_rest = not (body.rotates_in_equilibrium and support.prescribes)
@@ -192,15 +194,15 @@ def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotat
     for i, spring in enumerate(body.springs if damping is not None and damping.modal else ()):
         stiffness = spring.stiffness
         alike = _turns(lambda *_, k=stiffness: np.diag(k), rotation, dim)
-        allowed = f"{_ALIKE} mode by mode"
+        allowed = f"{_ALIKE} by modal damping"
         faults.require(alike, f"{place}.springs.{i}.stiffness", stiffness, allowed)
 
 
 def _turns(tensor: _Tensor, rotation: Rotation, dim: int) -> bool:
-    """Whether a tensor turns with the point it is at, by a radian about the axis."""
+    """Whether a tensor field is axisymmetric, tested at one point rotated by 1 rad."""
     spin, origin = rotation.spin(dim), np.asarray(rotation.origin[:dim], dtype=float)
     turn = np.eye(dim) + np.sin(1.0) * spin + (1 - np.cos(1.0)) * spin @ spin
-    arm, normal = np.sqrt([[2.0, 3.0, 5.0], [0.5, 0.3, 0.2]])[:, None, :dim]  # along no axis
+    arm, normal = np.sqrt([[2.0, 3.0, 5.0], [0.5, 0.3, 0.2]])[:, None, :dim]  # in general position
     here = turn @ tensor(origin + arm, normal, np.eye(dim)) @ turn.T
     there = tensor(origin + arm @ turn.T, normal @ turn.T, turn)
     return bool(np.abs(here - there).max() <= _ASIDE * np.abs(here).max())
@@ -219,7 +221,7 @@ def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
 
 
 def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
-    """Cells, numbers and sizes of elements that do not suit a shape."""
+    """Check cells, numbers and sizes of elements against the shape."""
     shape, fe, iga, degree = body.geometry, body.mesh.fe, body.mesh.iga, body.mesh.degree
     need = faults.require
     if isinstance(shape, MeshFile):
@@ -227,7 +229,7 @@ def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
         need(fe is None, f"{place}.fe", fe, allowed)
         need(iga is None, f"{place}.iga", iga, allowed)
         return
-    allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
+    allowed = "left out, except for a mesh file: use fe.degree or iga.degree"
     need(degree is None, f"{place}.degree", degree, allowed)
     if fe is not None and fe.size is not None and body.backend == "fe":
         most = max(body.lengths)
@@ -254,16 +256,16 @@ def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
 
 def _unstructured_checks(faults: Faults, place: str, fe: FeMesh) -> None:
     tetrahedra = fe.cell == "tetrahedron"
-    faults.require(tetrahedra, f"{place}.cell", fe.cell, "tetrahedron for such a shape")
+    faults.require(tetrahedra, f"{place}.cell", fe.cell, "tetrahedron for this shape")
     sized = not tetrahedra or fe.size is not None
-    faults.require(sized, f"{place}.elements", fe.elements, "left out, size given instead")
+    faults.require(sized, f"{place}.elements", fe.elements, "left out for this shape: give size")
     straight = (fe.geometry_degree or fe.degree) <= MAX_CURVED
-    allowed = f"1 to {MAX_CURVED} for such a shape, whatever the degree of the elements"
+    allowed = f"1 to {MAX_CURVED} for this shape, independent of the degree of the elements"
     faults.require(straight, f"{place}.geometry_degree", fe.geometry_degree, allowed)
 
 
 def _elements_checks(faults: Faults, place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> None:
-    """Numbers of elements, and edges of elements along a shape, that cannot be."""
+    """Check numbers of elements, element boundaries and singular edges."""
     elements, shape = mesh.elements or (), body.geometry
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
         allowed = f"1 to {MAX_ELEMENTS} along each direction"
@@ -285,12 +287,12 @@ def _elements_checks(faults: Faults, place: str, body: BodySpec, mesh: FeMesh | 
 def _contact_checks(
     faults: Faults, scene: Scene, place: str, contact: ContactSpec, known: Sequence[str]
 ) -> None:
-    """Sides that do not face each other, and what does not suit the bodies of both."""
+    """Check the sides, formulation, friction direction and expressions of a contact."""
     sides = {"a": contact.a.partition("."), "b": contact.b.partition(".")}
     for side in sides:
         faults.of(check_surface, getattr(contact, side), known, f"{place}.{side}")
     two = sides["a"][0] != sides["b"][0]
-    faults.require(two, f"{place}.b", contact.b, f"another body than {contact.a}")
+    faults.require(two, f"{place}.b", contact.b, f"a surface of another body than {contact.a}")
     bodies = {side: scene.bodies[n] for side, (n, _, _) in sides.items() if n in scene.bodies}
     for side, body in bodies.items() if two else ():
         name, _, surface = sides[side]
@@ -310,7 +312,7 @@ def _contact_checks(
         pressure, speed = contact.sliding.pressure, contact.sliding.speed
         fields |= {f"sliding.{name}": value for name, value in contact.sliding.fields.items()}
         either = (pressure is None) != (contact.c_n is None)
-        allowed = "either the contact pressure (N/m^2) or c_n, which makes it of the loads"
+        allowed = "either the contact pressure (N/m^2) or c_n, with which the loads determine it"
         faults.require(either, f"{place}.sliding.pressure", pressure, allowed)
     dims = {body.dim for body in bodies.values()}
     allowed = f"a body of the same dimension as {contact.a}"
@@ -318,7 +320,7 @@ def _contact_checks(
     for dim in dims if len(dims) == 1 else ():
         if (direction := contact.friction_direction_on_a) is not None:
             faults.of(direction.check, dim, f"{place}.friction_direction_on_a")
-        allowed = "left out in the plane, where the direction of sliding cannot turn"
+        allowed = "left out in the plane, where the sliding direction cannot change"
         faults.require(dim == 3 or speed is None, f"{place}.sliding.speed", speed, allowed)
         for name, value in fields.items():
             if isinstance(value, str):
@@ -326,10 +328,10 @@ def _contact_checks(
 
 
 def _steady_checks(faults: Faults, scene: Scene) -> None:
-    """Fields that mean nothing without a state of steady sliding."""
+    """Refuse fields that have no effect without a state of steady sliding."""
     check_no_steady_state(faults, scene.analysis, _NEEDS)
     static, pictures = scene.analysis.kind == "static", scene.output.pictures
-    allowed = "0 in a static analysis of which no contact has c_n"
+    allowed = "0 in a static analysis where no contact has c_n"
     faults.require(not (static and pictures), "output.pictures", pictures, allowed)
     for name, body in scene.bodies.items():
         for i, support in enumerate(body.supports):

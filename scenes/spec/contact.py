@@ -1,4 +1,4 @@
-"""What a scene says of a contact."""
+"""Section of a contact in a scene."""
 
 from dataclasses import dataclass
 from math import inf
@@ -16,12 +16,12 @@ from scenes.spec.body import Backend
 
 
 class _Registered:
-    """Lets pydantic read every registered formulation, told apart by ``method``."""
+    """pydantic schema of all registered formulations, a union discriminated by ``method``."""
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
-        every: Any = Union[tuple(registered().values())]  # noqa: UP007  (made of a list)
+        every: Any = Union[tuple(registered().values())]  # noqa: UP007  (built from a list)
         return handler.generate_schema(Annotated[every, Field(discriminator="method")])
 
 
@@ -30,7 +30,7 @@ _DIRECTIONS = {
     "circumferential_about": "Circumferential",
     "field": "AlongField",
 }
-"""Kinds of directions of friction by the field that each needs."""
+"""Class of a friction direction by the field that only it requires."""
 
 
 def _kind_of_direction(value: Any) -> str | None:
@@ -52,7 +52,7 @@ Direction = Annotated[
 
 
 def _check_field(name: str, value: float | str | None, allowed: str = "") -> None:
-    """Refuse what is no expression, and what is the same everywhere and of another sign."""
+    """Raise an InputError for an invalid expression, or a constant of the wrong sign."""
     constant = value
     if isinstance(value, str):
         Expression(value).check(name)
@@ -64,19 +64,19 @@ def _check_field(name: str, value: float | str | None, allowed: str = "") -> Non
 
 @dataclass(frozen=True)
 class SlidingSpec:
-    """What a contact does to small velocities because it slides at a speed.
+    """Terms of a contact in the velocities of small motions, due to its sliding speed.
 
-    Each is a number or an expression in the coordinates.
+    Each field is a number or an expression in the coordinates.
 
     Parameters
     ----------
     pressure
-        Contact pressure of steady sliding (N/m^2); left out where c_n makes it of the loads.
+        Contact pressure of steady sliding (N/m^2); left out with c_n, where the loads determine it.
     speed
-        Speed of sliding (m/s): friction that turns with the direction of sliding then damps motion
-        across it, mu pressure / speed; in space only.
+        Sliding speed (m/s). Friction follows the direction of the slip velocity, which damps motion
+        normal to the sliding direction by mu pressure / speed; only in three dimensions.
     mu_slope
-        Derivative of mu in the speed (s/m), at constant pressure; below zero it feeds energy in.
+        Derivative of mu with respect to the sliding speed (s/m); negative values are destabilising.
     """
 
     pressure: float | str | None = None
@@ -92,7 +92,7 @@ class SlidingSpec:
 
     @property
     def fields(self) -> dict[str, float | str | None]:
-        """What is given, and None for what is not, by name."""
+        """Values of the fields by name, None for those left out."""
         return {"pressure": self.pressure, "speed": self.speed, "mu_slope": self.mu_slope}
 
 
@@ -105,36 +105,36 @@ class ContactSpec:
     a, b
         Sides as "body.surface".
     formulation
-        Points and weights.
+        Contact formulation: points, weights and coupling.
     P
         Global contact stiffness, the integral of p over the interface (N/m).
     p
         Contact stiffness (N/m^3), a number or an expression in the coordinates
-        (:class:`cea.expressions.Expression`), which is zero where the sides have lifted off;
-        either P or p is given, or c_n.
+        (:class:`cea.expressions.Expression`) that is zero where the contact is open. Exactly one of
+        P, p and c_n is given.
     c_n, m_n
-        Normal compliance -sigma_n = c_n (u_n - g_n)_+^m_n (N/m^(2 + m_n)), m_n 1 or more, 1 by
-        default: the loads press the sides together, and p is that of steady sliding.
+        Normal compliance -sigma_n = c_n (u_n - g_n)_+^m_n with c_n in N/m^(2 + m_n) and m_n >= 1,
+        1 by default. The loads close the contact; p is its tangent stiffness in steady sliding.
     added_gap
-        With c_n: what is added to the distance between the sides (m), a number or an expression.
+        With c_n, value added to the initial gap (m), a number or an expression.
     mu
-        Friction coefficient, likewise.
+        Friction coefficient, a number or an expression.
     friction_direction_on_a
         Direction of the friction traction on side a: {vector = [...]} or
         {circumferential_about = [...], origin = [...]}, or {field = [...]} with an expression for
         each component.
     full_pass
-        Whether points lie on both sides, each half with half the stiffness; P and mu as in a half
-        pass. Of the larger side, points that find nothing opposite are dropped.
+        Whether points lie on both sides, with half the stiffness each; P and mu as in a half pass.
+        Points of the larger side that have no opposite point are dropped.
     form
-        ``penalty``, or ``saddle``: contact forces as unknowns, which takes P = inf too. Left open,
-        it is the penalty form where that costs no more than six digits, saddle where it would.
+        ``penalty``, or ``saddle`` with contact forces as Lagrange multipliers, which also allows
+        P = inf. By default penalty, unless it would lose more than six digits.
     reach
-        Largest distance (m) between the sides; left out, they must touch.
+        Largest distance (m) between the sides; by default they must touch.
     max_missed
-        Largest fraction of side a that may find nothing on side b.
+        Largest fraction of side a that may have no opposite point on side b.
     sliding
-        Speed, pressure and slope of friction, where they damp or feed small motions.
+        Sliding speed, contact pressure and slope of mu, for friction terms in velocities.
     """
 
     a: str
@@ -162,9 +162,9 @@ class ContactSpec:
         if inf in (self.P, self.p):
             stiffness = "P" if self.P is not None else "p"
             require(self.form != "penalty", stiffness, inf, "finite, or form = 'saddle'")
-            require(coupling != "lumped", stiffness, inf, "finite where lumped")
+            require(coupling != "lumped", stiffness, inf, "finite for a lumped formulation")
         if coupling == "lumped":
-            require(self.form != "saddle", "form", "saddle", "penalty where lumped")
+            require(self.form != "saddle", "form", "saddle", "penalty for a lumped formulation")
         if coupling == "bonded":
             half_pass = self.mu == 0 and not self.full_pass
             require(half_pass, "formulation.method", method, "a half pass with mu = 0")
@@ -176,11 +176,11 @@ class ContactSpec:
 
     @property
     def law(self) -> NormalCompliance | None:
-        """Its normal compliance; None where its stiffness is given."""
+        """Normal compliance of the contact; None if P or p is given."""
         return None if self.c_n is None else NormalCompliance(self.c_n, self.m_n or 1.0)
 
     def _check_stiffness(self) -> None:
-        """Refuse another number of stiffnesses than one, and what does not go with a law."""
+        """Require exactly one of P, p and c_n, and fields that are compatible with c_n."""
         one = sum(value is not None for value in (self.P, self.p, self.c_n)) == 1
         others = f"p = {self.p}, c_n = {self.c_n}"
         require(one, "P", self.P, f"either P, p or c_n is given, not both ({others})")
@@ -192,14 +192,14 @@ class ContactSpec:
             NormalCompliance(1.0, self.m_n)
         NormalCompliance(self.c_n, 1.0)
         method, coupling = self.formulation.method, self.formulation.coupling
-        allowed = "one whose gaps at points meet a law, where c_n is given: not lumped, bonded"
+        allowed = "one that evaluates a law at points, where c_n is given: not lumped, bonded"
         require(coupling not in ("lumped", "bonded"), "formulation.method", method, allowed)
         allowed = "penalty where c_n is given: open parts of mortar contact have no compliance"
         require(coupling != "mortar" or self.form != "saddle", "form", self.form, allowed)
 
 
 _ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}
-"""Kinds of abscissae that surfaces of each backend have."""
+"""Kinds of abscissae available on surfaces of each backend."""
 
 
 def suits(formulation: Formulation | type[Formulation], backend: Backend) -> bool:

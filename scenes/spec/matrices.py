@@ -1,8 +1,8 @@
-"""Scenes of matrices: files, parameters, and the sums that make M, C and K of them.
+"""Scenes of matrices: files, parameters, and the sums of matrices that give M, C and K.
 
     lambda^2 M(t) + lambda C(t) + K(t),    M, C, K = sum_j c_j(t) A_j
 
-The A_j are read from files, the c_j are numbers or arithmetic in the parameters t.
+The A_j are read from files; the c_j are numbers or arithmetic expressions in the parameters t.
 """
 
 from collections.abc import Iterable, Mapping
@@ -29,42 +29,41 @@ from scenes.spec.reading import ComplexEigenvalueAnalysis
 
 Role = Literal["mass", "damping", "stiffness"]
 ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")
-"""The sums of a scene."""
+"""Matrices of the pencil, each a weighted sum of matrices from files."""
 
 PARAMETERS = "parameters"
 """Section whose entries are the parameters of the pencil, by their paths."""
 
 Number = float | str
-"""A number, or arithmetic as text."""
+"""A number, or an arithmetic expression as text."""
 
 
 @dataclass(frozen=True)
 class MatrixScene:
-    """Matrices from files and what is made of them.
+    """A quadratic eigenvalue problem whose matrices are sums of matrices from files.
 
     Parameters
     ----------
     name
-        Its name.
+        Name of the scene.
     files
-        File of each matrix by its name in the sums; ``file.mat:variable`` where a file holds more
-        than one.
+        File of each matrix by the matrix's name in the sums; ``file.mat:variable`` for a file of
+        several matrices.
     mass, stiffness, damping
-        Coefficient of each matrix in M (kg), K (N/m) and C (N s/m), damping and gyroscopic parts
-        alike: a number, or arithmetic in the parameters and pi
+        Coefficient of each matrix in M (kg), K (N/m) and C (N s/m, damping and gyroscopic terms):
+        a number, or an arithmetic expression in the parameters and pi
         (:class:`cea.expressions.Formula`).
     analysis
-        The modes that are wanted.
+        Window of the modes to compute.
     parameters
-        Values by name: numbers, or arithmetic in pi.
+        Values by name: numbers, or arithmetic expressions in pi.
     symmetric
-        Of files that hold one triangle, by their names: true where the matrix is symmetric and the
-        triangle is to be mirrored, false where it is to be taken as it is. Other files are read as
-        they are.
+        For each file that holds one triangle, by matrix name: true to mirror the triangle of a
+        symmetric matrix, false to use the triangle as it is. Other files are read as they are.
     data
         Folder of the files; paths are relative to it.
     description
-        In words.
+        Free text.
     """
 
     name: str
@@ -84,12 +83,12 @@ class MatrixScene:
 
     @property
     def backends(self) -> str:
-        """What stands in the place of backends."""
+        """Label shown instead of backends."""
         return "matrices"
 
     @property
     def window(self) -> ComplexEigenvalueAnalysis:
-        """The modes that are wanted."""
+        """Window of the modes to compute."""
         return self.analysis
 
     @property
@@ -99,22 +98,22 @@ class MatrixScene:
         return {path: _formula(value, {}, path).at({}) for path, value in paths.items()}
 
     def sum(self, role: Role) -> dict[str, Formula]:
-        """Coefficient of each matrix in one of the sums."""
+        """Return the coefficient of each matrix in one of the sums."""
         names = {name: f"{PARAMETERS}.{name}" for name in self.parameters}
         found: Mapping[str, float | str] = getattr(self, role)
         return {m: _formula(value, names, f"{role}.{m}") for m, value in found.items()}
 
     def of_pencil(self) -> list[Parameter]:
-        """The parameters of the pencil; they may have either sign."""
+        """Return the parameters of the pencil; they may have either sign."""
         return [Parameter(path, value, signed=True) for path, value in self.values.items()]
 
     def file(self, matrix: str) -> tuple[Path, str | None]:
-        """File of a matrix, and the variable in it."""
+        """Return the file of a matrix, and the variable in it."""
         name, variable = split_name(self.files[matrix])
         return Path(self.data) / name, variable
 
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "MatrixScene":
-        """The scene with fields changed, as :meth:`scenes.spec.reading.Scene.change`."""
+        """Return the scene with fields changed, as :meth:`scenes.spec.reading.Scene.change`."""
         return read_matrix_scene(changed(self, field, value))
 
 
@@ -128,7 +127,7 @@ def load_matrices(
     scene, overrides
         As :func:`scenes.spec.reading.load_scene` takes them.
     data
-        Folder of the files; by default the one that the scene names, beside the scene file.
+        Folder of the files; by default the scene's ``data``, relative to the scene file.
 
     Raises
     ------
@@ -153,7 +152,7 @@ def load_matrices(
 
 
 def read_matrix_scene(data: Mapping[str, Any]) -> MatrixScene:
-    """Check a scene given as nested dictionaries and make it a :class:`MatrixScene`.
+    """Check a scene given as nested dictionaries and return a :class:`MatrixScene`.
 
     Raises
     ------
@@ -215,7 +214,7 @@ def _formula(value: float | str, names: Mapping[str, str], place: str) -> Formul
 
 
 def split_name(text: str) -> tuple[str, str | None]:
-    """Name of a file and of a variable in it, from ``file.mat`` or ``file.mat:variable``."""
+    """Split ``file.mat:variable`` into file and variable; the variable is None if there is none."""
     name, colon, variable = text.rpartition(":")
     if colon and name.endswith(".mat") and variable.isidentifier():
         return name, variable

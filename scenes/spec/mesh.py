@@ -1,4 +1,4 @@
-"""What a scene says of the mesh of a body."""
+"""Section of the mesh of a body in a scene."""
 
 from dataclasses import dataclass, field
 from typing import Annotated
@@ -22,18 +22,19 @@ class FeMesh:
     geometry_degree
         Degree of the geometry; by default that of the elements. 1 gives straight facets.
     elements
-        Cells of a structured mesh along each direction of the shape; of closed shapes, all the way
-        round. Tetrahedra or triangles are such cells each divided into six or two.
+        Number of boxes of a structured mesh along each direction of the shape, over the full
+        circumference of closed shapes. A box is one quadrilateral or hexahedron, two triangles or
+        six tetrahedra.
     size
-        Target edge length of unstructured tetrahedra or triangles (m), given instead.
+        Target edge length of unstructured tetrahedra or triangles (m), instead of ``elements``.
     through
         Coordinates that must be element boundaries of a structured mesh, by direction.
     edges
-        Singular edges of a structured mesh of quadrilaterals or hexahedra, each by the two
-        coordinates that it lies at, which are element boundaries then. All run along one
-        direction; in the plane they are points.
+        Singular edges of a structured mesh of quadrilaterals or hexahedra, each given by its two
+        coordinates, which become element boundaries. All run along one direction; in the plane
+        they are points.
     layers
-        Geometric layers of cells towards the edges, in the cells at them alone.
+        Number of geometric layers towards the edges; only the cells at the edges are divided.
     """
 
     cell: Cell = "hexahedron"
@@ -48,17 +49,17 @@ class FeMesh:
     def __post_init__(self) -> None:
         simplices, cell = self.cell in SIMPLICES, f"cell = {self.cell!r}"
         sized, counted = self.size is not None, self.elements is not None
-        either = f"either size, unstructured, or elements, boxes divided, for {cell}"
+        either = f"either size (unstructured) or elements (divided boxes) for {cell}"
         require(not (self.edges and simplices), "edges", self.edges, f"left out for {cell}")
         require(not self.layers or bool(self.edges), "layers", self.layers, "0 without edges")
         require(simplices or counted, "elements", None, f"needed for {cell}")
         require(simplices or not sized, "size", self.size, f"left out for {cell}")
         require(not simplices or counted != sized, "size", self.size, either)
-        require(counted or not self.through, "through", self.through, "left out beside size")
+        require(counted or not self.through, "through", self.through, "left out with size")
 
     @property
     def boundaries(self) -> dict[str, tuple[float, ...]]:
-        """Coordinates that are element boundaries, those of edges among them, by direction."""
+        """Coordinates that must be element boundaries, including those of edges, by direction."""
         found = {name: set(values) for name, values in self.through.items()}
         for edge in self.edges:
             for name, value in edge.items():
@@ -75,8 +76,8 @@ class IgaMesh:
     degree
         Degree along each direction.
     elements
-        Knot spans along each direction of the shape; of closed shapes, all the way
-        round.
+        Number of knot spans along each direction of the shape, over the full circumference of
+        closed shapes.
     continuity
         Continuity at inner knots; by default one less than the degree.
     through
@@ -101,7 +102,7 @@ class IgaMesh:
 
 @dataclass(frozen=True)
 class MeshSpec:
-    """Discretisations of a body, one for each backend it can be run on.
+    """Discretisations of a body, one for each backend that it can run on.
 
     Parameters
     ----------
@@ -110,8 +111,8 @@ class MeshSpec:
     iga
         NURBS discretisation.
     degree
-        Degree of the elements of a mesh from a file; by default the order of its cells, at least 2
-        where elements of several kinds are divided into tetrahedra.
+        Degree of the elements on the cells of a mesh file; by default the order of the cells, and
+        2 or more where cells of a mixed mesh are divided into tetrahedra.
     """
 
     fe: FeMesh | None = None

@@ -1,4 +1,4 @@
-"""Scenes as plain data: in files, checked, changed along paths as ``loads[0].force``."""
+"""Scenes as plain data: read from files, validated, changed by paths such as ``loads[0].force``."""
 
 import json
 import os
@@ -19,11 +19,11 @@ from scenes.spec.problems import Faults, SceneError, problems
 SCENES = Path(__file__).parents[1] / "catalogue"
 """Folder of the scenes that come with the project."""
 OF_MATRICES = SCENES / "matrices"
-"""Folder of those whose matrices come from files."""
+"""Folder of the scenes of matrices that come with the project."""
 _LARGEST_FILE = 2**26
-"""Bytes of a scene file."""
+"""Largest size of a scene file in bytes."""
 _KEYS = re.compile(r"(?<![^\s.,=\[\]{}])(?:[^\s.,=\[\]{}]+[ \t]*\.[ \t]*){100}")
-"""A hundred tables inside each other by one dotted name, for which reading takes its time."""
+"""A dotted name of more than 100 parts; parsing deeply nested tables is slow."""
 _LATER = {
     "BodySpec": ("damping", "rotation"),
     "ComplexEigenvalueAnalysis": ("geometric_stiffness", "load_steps", "min_growth"),
@@ -39,21 +39,21 @@ _LATER = {
     "StaticAnalysis": ("load_steps",),
     "Support": ("value",),
 }
-"""Fields that came later than stored numbers, which are found by fingerprints of their scenes: they
-do not stand there where they have their defaults."""
+"""Fields added after results were stored. Stored results are found by a fingerprint of their scene,
+so these fields are left out of the data where they have their defaults."""
 
 _PATH = re.compile(r"([^.\[\]]+(\[\d+\])*)(\.[^.\[\]]+(\[\d+\])*)*")
-"""Names with dots between, and numbers of entries in brackets behind them."""
+"""A path: names separated by dots, each with indices in brackets."""
 _HALF = re.compile(r"[\ud800-\udfff]")
-"""Half of a character, which no file can hold."""
+"""A surrogate code point, which UTF-8 cannot encode."""
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-"""Names that stand in TOML without quotes."""
+"""Bare keys of TOML, which need no quotes."""
 _BY_NAME = ("bodies", "contacts")
-"""Tables whose entries are made whole: one field of what is not there is a name mistyped."""
+"""Tables in which setting a field does not create a new entry: its name would be a misspelling."""
 
 
 def as_data(section: Any) -> Any:
-    """A scene or a section of one as nested dictionaries, as ``dataclasses.asdict`` gives it."""
+    """Convert a scene or section to nested dictionaries, without ``_LATER`` fields at defaults."""
     if is_dataclass(section):
         later = _LATER.get(type(section).__name__, ())
         return {
@@ -69,7 +69,7 @@ def as_data(section: Any) -> Any:
 
 
 def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
-    """Nested dictionaries as what they should be."""
+    """Validate nested dictionaries; raise a SceneError with all faults."""
     content = _json(data)
     try:
         return kind.validate_json(content)
@@ -83,12 +83,12 @@ def _schema(kind: TypeAdapter[Any]) -> dict[str, Any]:
 
 
 def plain_data(value: Any, place: str = "scene") -> Any:
-    """A scene or a part of one as nested dictionaries, lists and numbers, which it is read from."""
+    """Convert a scene or a part of one to nested dictionaries, lists, text and numbers."""
     return json.loads(_json(value, place))
 
 
 def _json(data: Any, place: str = "scene") -> bytes:
-    """JSON of a scene or a part of one; refused is what JSON has no form for."""
+    """Serialise a scene or a part of one to JSON; raise a SceneError for other types."""
     try:
         text = json.dumps(data, default=_plain, ensure_ascii=False)
         return text.encode()
@@ -103,7 +103,7 @@ def _json(data: Any, place: str = "scene") -> bytes:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON has no form for: sections of scenes, and numbers and arrays of numpy."""
+    """Convert types that JSON does not support: sections of scenes, paths, numpy arrays."""
     if is_dataclass(value) and not isinstance(value, type):
         return asdict(value)
     if isinstance(value, PurePath):
@@ -114,7 +114,7 @@ def _plain(value: Any) -> Any:
 
 
 def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
-    """Names and values of nested tables and lists, each with its path."""
+    """Yield the names and values of nested tables and lists, each with its path."""
     if not isinstance(data, Mapping | list | tuple):
         yield place, data
         return
@@ -125,13 +125,14 @@ def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
 
 
 def set_at(data: dict[str, Any], path: str, value: Any) -> None:
-    """Set a field through tables, which are made where they are not there, and lists.
+    """Set the field at a path; missing tables are created, missing entries of lists are not.
 
-    Names in a path have dots between; entries of lists are numbers from 0, ``loads[0].pressure`` or
-    ``loads.0.pressure``. An InputError names the place where a path ends too early.
+    Names in a path are separated by dots; entries of lists are numbered from 0:
+    ``loads[0].pressure`` or ``loads.0.pressure``. Raises an InputError with the part of the path
+    that does not exist.
     """
     path = "".join(path.split())
-    allowed = "names with dots between, and whole numbers in brackets: loads[0].pressure"
+    allowed = "names separated by dots, with indices in brackets: loads[0].pressure"
     require(_PATH.fullmatch(path) is not None, "--set", path, allowed)
     parts, table = re.findall(r"[^.\[\]]+", path), data
     for i, part in enumerate(parts):
@@ -141,7 +142,7 @@ def set_at(data: dict[str, Any], path: str, value: Any) -> None:
         if isinstance(table, list):
             there = f"from 0 to {len(table) - 1}" if table else "none: the list is empty"
             numbers = [str(number) for number in range(len(table))]
-            require(part in numbers, place, part, f"number of an entry: {there}")
+            require(part in numbers, place, part, f"index of an entry: {there}")
             key = int(part)
         elif table.get(part) is None and below is not None:
             _check_new(table, parts[: i + 1], below)
@@ -150,20 +151,20 @@ def set_at(data: dict[str, Any], path: str, value: Any) -> None:
             table[key] = value
             return
         table = table[key]
-        allowed = f"a table or a list, for {'.'.join(parts)} to be set in it"
+        allowed = f"a table or a list, so that {'.'.join(parts)} can be set"
         require(isinstance(table, dict | list), place, table, allowed)
 
 
 def _check_new(table: dict[str, Any], place: list[str], below: str) -> None:
-    """Refuse to make what nobody can have meant: a list, or a part of a body that is not there."""
+    """Refuse to create a list, or a body or contact from a single field."""
     of_name = len(place) == 2 and place[0] in _BY_NAME
     there = f"{', '.join(table) or 'none'}{did_you_mean(place[-1], table)}"
-    allowed = f"{'one' if of_name else 'a list'} that is there, or given whole; there are {there}"
+    allowed = f"{'one' if of_name else 'a list'} that exists, or given whole; there are {there}"
     require(not (of_name or below.isdecimal()), ".".join(place), None, allowed)
 
 
 def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:
-    """What a scene file says, with fields set; parameters are those of :func:`load_scene`."""
+    """Read a scene file as plain data and set the overrides; parameters as :func:`load_scene`."""
     file = scene_file(scene)
     try:
         with regular(file).open("rb") as stream:
@@ -191,7 +192,7 @@ def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any
 
 
 def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> dict[str, Any]:
-    """Plain data of a scene with fields changed, as its ``change`` takes them."""
+    """Return the plain data of a scene with fields changed; parameters as ``Scene.change``."""
     data = plain_data(scene)
     for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
         _set(data, path, plain_data(new, path))
@@ -205,7 +206,7 @@ def _set(data: dict[str, Any], path: str, value: Any) -> None:
 
 
 def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
-    """Set fields of plain data, each as "path.to.field=value" with a TOML value, else text."""
+    """Set fields of plain data from "path.to.field=value"; values that are not TOML are text."""
     for override in overrides:
         path, equals, text = override.partition("=")
         value: Any = text
@@ -220,17 +221,17 @@ def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
 
 
 def scene_names() -> list[str]:
-    """Names of the scenes of bodies that come with the project."""
+    """Return the names of the scenes of bodies that come with the project."""
     return sorted(file.stem for file in SCENES.glob("*.toml"))
 
 
 def matrix_scene_names() -> list[str]:
-    """Names of the scenes of matrices that come with the project."""
+    """Return the names of the scenes of matrices that come with the project."""
     return sorted(file.stem for file in OF_MATRICES.glob("*.toml"))
 
 
 def scene_file(scene: str | Path) -> Path:
-    """The file that is meant; what lies in the working directory never shadows a scene."""
+    """Return the path of a scene's file; files in the working directory never shadow a name."""
     text = os.fspath(scene)
     if os.sep in text or "/" in text or text.endswith(".toml"):
         return Path(scene)
@@ -245,7 +246,7 @@ def is_of_matrices(scene: str | Path) -> bool:
 
 
 def scene_text(scene: Any) -> str:
-    """A scene as TOML: read again, it is the same scene."""
+    """Return a scene as TOML text, which reads back as the same scene."""
     data = _given(plain_data(as_data(scene)))
     lines = _lines({name: value for name, value in data.items() if name not in _BY_NAME})
     for name in _BY_NAME:
@@ -259,7 +260,7 @@ def _lines(table: Mapping[str, Any]) -> list[str]:
 
 
 def _given(value: Any) -> Any:
-    """Plain data without what is None, which TOML has no word for, and without what is empty."""
+    """Return plain data without empty values and without None, which TOML does not have."""
     if isinstance(value, Mapping):
         parts = {name: _given(part) for name, part in value.items()}
         return {name: part for name, part in parts.items() if part not in (None, [], {})}

@@ -1,7 +1,7 @@
-"""What is raised when a scene is refused, and pydantic's errors as its lines.
+"""Error raised for an invalid scene, and conversion of pydantic's errors to input errors.
 
-pydantic tells of each error the path, its kind and the value. The path is made one that a person
-writes, and names that were probably meant are added.
+The path of each pydantic error is converted to the path in the scene file, and similar names are
+suggested.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -12,17 +12,17 @@ from pydantic import ValidationError
 from cea.errors import InputError, did_you_mean
 
 _SHOWN = 20
-"""Faults that a message tells."""
+"""Largest number of faults listed in a message."""
 _TAGS = ("shape", "method", "kind")
-"""Fields that tell forms of a section apart."""
+"""Discriminator fields of unions of sections."""
 _MISSING = ("missing", "missing_argument")
 
 _Sections = Sequence[Mapping[str, Any]]
-"""Fields of every section, as a JSON Schema has them."""
+"""Fields of every section: the ``properties`` of a JSON Schema."""
 
 
 class SceneError(ValueError):
-    """A scene that is refused: one :class:`cea.errors.InputError` for each fault."""
+    """Error for an invalid scene, with one :class:`cea.errors.InputError` for each fault."""
 
     def __init__(self, faults: Iterable[InputError]) -> None:
         self.faults = tuple(faults)
@@ -32,35 +32,35 @@ class SceneError(ValueError):
         super().__init__("\n".join(lines))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Travel between ranks by its faults, not by its message."""
+        """Pickle the faults, not the message, when the error is sent between ranks."""
         return type(self), (self.faults,)
 
 
 class Faults(list[InputError]):
-    """Faults that are collected, to be told together."""
+    """List of input errors, collected to be raised together."""
 
     def require(self, condition: bool, field: str, value: object, allowed: str) -> None:
-        """Collect a fault unless a condition holds."""
+        """Append an error unless the condition holds."""
         if not condition:
             self.append(InputError(field, value, allowed))
 
     def of(self, check: Callable[..., Any], *arguments: Any) -> None:
-        """Collect the fault that a check raises."""
+        """Call a check and append the InputError that it raises."""
         try:
             check(*arguments)
         except InputError as error:
             self.append(error)
 
     def refuse(self) -> None:
-        """Raise them, where there are any."""
+        """Raise a SceneError if there are any faults."""
         if self:
             raise SceneError(self)
 
 
 def problems(error: ValidationError, data: Any, schema: Mapping[str, Any]) -> list[InputError]:
-    """Faults that pydantic found in plain data, each under its own field.
+    """Convert a pydantic error to input errors, one for each field.
 
-    Names that were probably meant are those of a JSON Schema of what the data should be.
+    Suggestions for misspelt names are taken from the JSON Schema of the data.
     """
     every = (schema, *schema.get("$defs", {}).values())
     sections = [section["properties"] for section in every if "properties" in section]
@@ -68,7 +68,7 @@ def problems(error: ValidationError, data: Any, schema: Mapping[str, Any]) -> li
     for detail in error.errors(include_url=False):
         fault = _fault(detail, data, sections)
         found.setdefault(fault.field, []).append(fault)
-    # Of a field of several forms what is wrong within one says more than that it is no other.
+    # For a union, errors inside one form are more specific than a mismatch with the others.
     within = {field: any(other.startswith(f"{field}.") for other in found) for field in found}
     return [
         InputError(field, each[0].value, ", or ".join(dict.fromkeys(one.allowed for one in each)))
@@ -78,7 +78,7 @@ def problems(error: ValidationError, data: Any, schema: Mapping[str, Any]) -> li
 
 
 def _fault(detail: Mapping[str, Any], data: Any, sections: _Sections) -> InputError:
-    """One error of pydantic, with names that were probably meant."""
+    """Convert one pydantic error to an input error, with suggestions for misspelt names."""
     kind, value, (place, parent) = detail["type"], detail["input"], _place(detail, data)
     context, name = detail.get("ctx", {}), detail["loc"][-1] if detail["loc"] else ""
     names = [each for section in sections for each in section]
@@ -86,7 +86,7 @@ def _fault(detail: Mapping[str, Any], data: Any, sections: _Sections) -> InputEr
     allowed = (detail["msg"][0].lower() + detail["msg"][1:]).removeprefix("input should be ")
     cause = context.get("error")
     if isinstance(cause, InputError):
-        first, _, rest = cause.field.partition(".")  # which may be the section, or a field of it
+        first, _, rest = cause.field.partition(".")  # the section or one of its fields
         field = rest if rest and first not in given and place else cause.field
         return InputError(".".join(filter(None, (place, field))), cause.value, cause.allowed)
     match kind:
@@ -100,7 +100,7 @@ def _fault(detail: Mapping[str, Any], data: Any, sections: _Sections) -> InputEr
             allowed = f"{context['max_length']} entries"
         case "missing" | "missing_argument":
             near = [each for each in given if each not in names and did_you_mean(each, [name])]
-            value, allowed = None, allowed + (f"; is it meant by {near[0]!r}?" if near else "")
+            value, allowed = None, allowed + (f"; is {near[0]!r} a misspelling?" if near else "")
         case "union_tag_invalid" | "union_tag_not_found":
             tag = context["discriminator"].strip("'()")
             value, place = given.get(tag), f"{place}.{tag}"
@@ -108,7 +108,7 @@ def _fault(detail: Mapping[str, Any], data: Any, sections: _Sections) -> InputEr
             tags = context.get("expected_tags", "").split("'")[1::2] or kinds
             needed = "" if value else "needed: "
             allowed = f"{needed}one of {', '.join(tags)}{did_you_mean(value, tags)}"
-        case "form":  # of a union whose forms are told apart by the fields that are given
+        case "form":  # a union discriminated by the fields that are given
             unknown = [each for each in given if each not in names]
             allowed += "".join(did_you_mean(each, names) for each in unknown)
         case "literal_error":
@@ -117,14 +117,14 @@ def _fault(detail: Mapping[str, Any], data: Any, sections: _Sections) -> InputEr
 
 
 def _siblings(section: Any, wrong: Any, sections: _Sections) -> list[str]:
-    """Fields of the section that this probably is: it has the others, and one of a like name."""
+    """Return the fields of the smallest section with all other fields, best with a similar name."""
     others = set(section) - {wrong} if isinstance(section, Mapping) else set()
     fitting = [list(names) for names in sections if others <= set(names)] if others else []
     return min(fitting, key=lambda names: (not did_you_mean(wrong, names), len(names)), default=[])
 
 
 def _place(detail: Mapping[str, Any], data: Any) -> tuple[str, Any]:
-    """Path of a field as a person writes it, without the names of forms; and what it lies in."""
+    """Return the path of a field as in a scene file, without union tags, and its parent data."""
     place: list[str] = []
     parent, named = data, False
     for part in detail["loc"]:

@@ -1,6 +1,6 @@
-"""Scenes: what they say, read from files or plain data, and refused when wrong before work begins.
+"""Scenes of bodies: read from files or plain data, and validated before any computation.
 
-A scene is made of frozen dataclasses, each of which refuses what is wrong with itself.
+A scene consists of frozen dataclasses, each of which validates its own fields.
 """
 
 from collections.abc import Iterable, Mapping
@@ -21,30 +21,30 @@ from scenes.spec.plain import changed, checked, scene_file, tables_of
 from scenes.spec.problems import SceneError
 
 MAX_STEPS = 1000
-"""Steps in which a load is put on."""
+"""Largest number of load steps."""
 
 LoadSteps = Annotated[int, Field(ge=1, le=MAX_STEPS)] | tuple[float, ...]
-"""A number of equal steps, or the part of the load at the end of each."""
+"""Number of equal load steps, or the load factor at the end of each step."""
 
 
 def _check_load_steps(steps: LoadSteps | None) -> None:
     if isinstance(steps, tuple):
         rising = all(a < b for a, b in pairwise((0.0, *steps))) and steps[-1:] == (1,)
-        allowed = f"at most {MAX_STEPS} parts of the load that rise from above 0 to 1"
+        allowed = f"at most {MAX_STEPS} load factors that increase from above 0 to 1"
         require(rising and len(steps) <= MAX_STEPS, "load_steps", list(steps), allowed)
 
 
 @dataclass(frozen=True)
 class StaticAnalysis:
-    """Displacements under the loads; reports stresses over the contacts.
+    """Static displacements under the loads; reports normal stresses of the contacts.
 
     Parameters
     ----------
     samples
         Points along each side of a contact at which its normal stress is reported.
     load_steps
-        With c_n, number of equal steps in which loads and prescribed displacements are put on; or
-        the part of them at the end of each step, rising to 1.
+        With c_n, number of equal steps in which loads and prescribed displacements are applied, or
+        the load factors at the end of each step, increasing to 1.
     """
 
     kind: Literal["static"]
@@ -57,23 +57,23 @@ class StaticAnalysis:
 
 @dataclass(frozen=True)
 class ComplexEigenvalueAnalysis:
-    """All modes up to a frequency.
+    """Complex eigenvalue analysis: all modes up to a frequency.
 
     Parameters
     ----------
     max_frequency
         Upper end of the window (Hz).
     growth_threshold
-        Growth rate above which a mode is called unstable (1/s); by default 1e-4 of abs(lambda).
+        Growth rate (1/s) above which a mode is reported as unstable; by default 1e-4 abs(lambda).
     min_growth
-        With damping or rotation, growth rate (1/s), zero or less, down to which modes are sought;
-        by default a tenth of the angular frequency of the upper end.
+        With damping or rotation, lowest growth rate (1/s) of the window, zero or less; by default
+        minus a tenth of the angular frequency of its upper end.
     load_steps
-        Number of equal steps in which loads, and displacements that supports prescribe, are put
-        on; or the part of them at the end of each step, rising to 1. The result keeps the
-        equilibrium at every step. Left out, they are put on at once.
+        Number of equal steps in which loads and prescribed displacements are applied, or the load
+        factors at the end of each step, increasing to 1. The result keeps the equilibrium of every
+        step. By default they are applied in one step.
     geometric_stiffness
-        Whether the stresses of steady sliding stiffen, or soften, small motions.
+        Whether to add the geometric stiffness of the stresses of steady sliding.
     """
 
     kind: Literal["cea"]
@@ -94,16 +94,16 @@ BACKENDS: tuple[Backend, ...] = ("fe", "iga")
 
 @dataclass(frozen=True)
 class OutputSpec:
-    """What is made beside numbers.
+    """Pictures and ParaView files to write.
 
     Parameters
     ----------
     pictures
-        Modes to draw, the most unstable first; with c_n what the contacts carry is
-        drawn too, of a static analysis that alone.
+        Number of modes to draw, the most unstable first. With c_n, contact pressures are drawn too;
+        in a static analysis only these.
     paraview
-        Modes to write for ParaView, the most unstable first; of a static analysis, whether to
-        write its displacement; with load steps those too.
+        Number of modes to write for ParaView, the most unstable first; in a static analysis, 1 to
+        write the displacement. With load steps, all of them are written too.
     """
 
     pictures: Annotated[int, Field(ge=0)] = 0
@@ -112,27 +112,27 @@ class OutputSpec:
 
 @dataclass(frozen=True)
 class Scene:
-    """Bodies, contacts, loads and the analysis to be made of them.
+    """Bodies, contacts, loads and the analysis of their coupled system.
 
     Parameters
     ----------
     name
-        Its name.
+        Name of the scene.
     bodies
-        Bodies by name; names hold no dots, commas, brackets or blanks.
+        Bodies by name; names contain no dots, commas, brackets or blanks.
     analysis
-        What is sought: modes, or the displacement under the loads.
+        Analysis to run: modes, or static displacements under the loads.
     contacts
         Contacts between surfaces of two bodies, by name.
     loads
         Pressures and forces.
     output
-        What is made beside numbers.
+        Pictures and ParaView files to write.
     description
-        In words.
+        Free text.
     units
-        "other" where numbers are in consistent units that are not SI, or in none; they are then not
-        compared with those of solids in SI units.
+        "other" for consistent units other than SI, or dimensionless numbers; warnings about values
+        that are implausible in SI units are then omitted.
     """
 
     name: str
@@ -144,26 +144,26 @@ class Scene:
     description: str = ""
     units: Literal["SI", "other"] = "SI"
 
-    # Nested dataclasses, those of other rooms too, are checked under the same configuration.
+    # The configuration also applies to nested dataclasses, including those of other packages.
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
         extra="forbid", strict=True, allow_inf_nan=False
     )
 
     @property
     def backends(self) -> str:
-        """Backends of its bodies: "fe", "iga" or "fe+iga"."""
+        """Backends of the bodies: "fe", "iga" or "fe+iga"."""
         return "+".join(sorted({body.backend for body in self.bodies.values()}))
 
     @property
     def window(self) -> ComplexEigenvalueAnalysis:
-        """The modes that are wanted; an InputError where the analysis gives none."""
+        """Window of the modes to compute; raises an InputError for a static analysis."""
         if not isinstance(self.analysis, ComplexEigenvalueAnalysis):
             raise InputError("analysis.kind", self.analysis.kind, "'cea', which gives modes")
         return self.analysis
 
     @property
     def damped(self) -> bool:
-        """Whether anything damps, or feeds, small velocities."""
+        """Whether there are terms in the velocities: damping of bodies or sliding contacts."""
         damping = [body.damping for body in self.bodies.values() if body.damping is not None]
         sliding = [contact.sliding for contact in self.contacts.values()]
         return any(each.acts for each in damping) or any(sliding)
@@ -175,7 +175,7 @@ class Scene:
 
     @property
     def slides_steadily(self) -> bool:
-        """Whether a state of steady sliding is sought: a contact has a law of its closure."""
+        """Whether a state of steady sliding is computed: a contact has a normal compliance."""
         return any(contact.c_n is not None for contact in self.contacts.values())
 
     @property
@@ -185,24 +185,24 @@ class Scene:
 
     @property
     def stiffened_by_stress(self) -> bool:
-        """Whether the stresses of steady sliding stiffen, or soften, small motions."""
+        """Whether the geometric stiffness of the stresses of steady sliding is added."""
         return self.analysis.kind == "cea" and self.analysis.geometric_stiffness
 
     @property
     def prescribes(self) -> bool:
-        """Whether a support holds anything elsewhere than at zero."""
+        """Whether a support prescribes a nonzero displacement."""
         supports = (each for body in self.bodies.values() for each in body.supports)
         return any(support.prescribes for support in supports)
 
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "Scene":
-        """The scene with fields changed, checked anew as a file is.
+        """Return the scene with fields changed, validated like a file.
 
         Parameters
         ----------
         field
-            Path of a field, e.g. "contacts.pad_disc.mu"; or values of several by their paths.
+            Path of a field, e.g. "contacts.pad_disc.mu"; or a mapping of paths to values.
         value
-            Value of the one field: plain data as in a file, or a section such as a formulation.
+            New value of a single field: plain data as in a file, or a section, e.g. a formulation.
 
         Raises
         ------
@@ -212,18 +212,18 @@ class Scene:
         return read_scene(changed(self, field, value))
 
     def on(self, backend: Backend) -> "Scene":
-        """The scene with every body on one backend.
+        """Return the scene with every body on one backend.
 
         Raises
         ------
         SceneError
-            When a body has no mesh there, or a formulation does not suit it.
+            If a body has no mesh for the backend, or the backend lacks a formulation.
         """
         return self.change({f"bodies.{name}.backend": backend for name in self.bodies})
 
 
 def with_contact(scene: Scene, **changes: Any) -> Scene:
-    """The scene with changed fields of every contact, not checked."""
+    """Return the scene with fields of every contact changed, without validation."""
     return replace(scene, contacts={n: replace(c, **changes) for n, c in scene.contacts.items()})
 
 
@@ -235,12 +235,12 @@ def load_scene(
     Parameters
     ----------
     scene
-        Name of a scene that comes with the project; or a TOML file, which is told by its ending
-        or by a separator in its path.
+        Name of a scene that comes with the project, or path of a TOML file. A path ends in
+        ``.toml`` or contains a separator.
     overrides
         Fields to set, each as "path.to.field=value" with a TOML value.
     backend
-        Backend for every body; None leaves what the scene says.
+        Backend of every body; by default those of the scene.
 
     Raises
     ------
@@ -263,13 +263,12 @@ def load_scene(
 
 
 def read_scene(data: Mapping[str, Any]) -> Scene:
-    """Check a scene given as nested dictionaries and make it a :class:`Scene`.
+    """Check a scene given as nested dictionaries and return a :class:`Scene`.
 
     Raises
     ------
     SceneError
-        With one line for each fault: those of single fields, and when these are right those
-        between fields.
+        With one line for each fault. Fields are checked against each other only if each is valid.
     """
     return consistent(checked(_adapter(tuple(registered().values())), data))
 

@@ -100,7 +100,7 @@ def test_solve_is_told_what_a_triangle_is(cea, tmp_path, option):
     ("line", "field", "told"),
     [
         ("run tu_berlin", "data", "do not come with it"),
-        ("run tu_berlin --data nowhere", "files.M", "a file that is there"),
+        ("run tu_berlin --data nowhere", "files.M", "an existing file"),
         ("run tu_berlin --data x --set parameters.Omega=0", "damping.DR", "finite value"),
         ("run tu_berlin --data x --backend fe", "backend", "no bodies"),
     ],

@@ -93,7 +93,7 @@ def market(form, *lines):
 
 
 BAD = {
-    "none.mat": (None, "there"),
+    "none.mat": (None, "existing"),
     "empty.mat": (b"", "empty"),
     "text.mat": (b"no matrix at all" * 20, "whole .mat file"),
     "new.mat": (b"MATLAB 7.3 MAT-file" + b"\0" * 500, "-v7"),

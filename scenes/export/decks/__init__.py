@@ -1,4 +1,4 @@
-"""Scenes written as input decks of other programs: Abaqus and CalculiX.
+"""Export of scenes as input decks of Abaqus and CalculiX.
 
-:func:`scenes.export.decks.write.write_deck` is what callers need.
+The entry point is :func:`scenes.export.decks.write.write_deck`.
 """

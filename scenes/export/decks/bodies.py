@@ -1,4 +1,4 @@
-"""Bodies of a scene as a deck has them: numbered nodes and elements, and their surfaces."""
+"""Bodies of a deck: numbered nodes and elements, and surfaces."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -19,30 +19,31 @@ ELEMENTS: Mapping[tuple[Cell, int], str] = {
     ("tetrahedron", 2): "C3D10",
     ("hexahedron", 1): "C3D8",
 }
-"""Elements by kind of cell and degree; none there has the node inside a cube of higher degree."""
+"""Element types by cell and degree. Neither program has an element with the inner node of a
+triquadratic hexahedron."""
 
 
 def set_name(place: str) -> str:
-    """Name of the set of nodes, and of the surface, of a surface "body.surface"."""
+    """Return the name of the node set and the surface for "body.surface"."""
     return place.replace(".", "-")
 
 
 @dataclass(frozen=True)
 class DeckBody:
-    """A body with its mesh and the numbers it has in a deck."""
+    """A body with its mesh and its numbering in a deck."""
 
-    name: str  # that of its sets of nodes and elements too
+    name: str  # also of its node and element sets
     spec: BodySpec
     mesh: Mesh
     element_type: str
     points: Floats  # nodes (m), (n_nodes, 3)
-    elements: Ints  # rows of their nodes in the order of their type, right-handed
+    elements: Ints  # nodes of each element in the order of its type, right-handed
     faces: Mapping[str, tuple[Ints, Ints]]  # elements, from 0, and their faces, from 1, by surface
-    first_node: int  # numbers from 1 through all bodies
+    first_node: int  # numbered from 1 over all bodies
     first_element: int
 
     def nodes_of(self, surface: str) -> Ints:
-        """Rows of the nodes of a surface, rising."""
+        """Return the sorted indices of the nodes of a surface."""
         elements, faces = self.faces[surface]
         cell, count = self.mesh.cell, self.elements.shape[1]
         sides = enumerate(side_nodes(cell, KINDS[f"{cell}{count}"].reference), start=1)
@@ -51,7 +52,7 @@ class DeckBody:
 
 
 def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
-    """Bodies of a scene by name, meshed and numbered; the scene was checked before."""
+    """Mesh and number the bodies of a validated scene; return them by name."""
     bodies: dict[str, DeckBody] = {}
     node = element = 1
     for name, spec in scene.bodies.items():
@@ -74,7 +75,7 @@ def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
 
 
 def _right_handed(mesh: Mesh) -> Mesh:
-    """The mesh, in cells that are left-handed the first two axes swapped."""
+    """Return the mesh with the first two axes of left-handed cells swapped."""
     own = reference_nodes(mesh.cell, mesh.order)
     corners = np.vstack([np.zeros(mesh.dim), np.eye(mesh.dim)])
     first = np.abs(corners[:, None] - own).max(axis=2).argmin(axis=1)
@@ -85,7 +86,7 @@ def _right_handed(mesh: Mesh) -> Mesh:
 
 
 def _elements(mesh: Mesh, degree: int) -> tuple[Floats, Ints]:
-    """Nodes (m), and those of each element; in the middle of straight edges of a higher degree."""
+    """Return nodes (m) and elements; midpoints of straight edges are added for degree 2."""
     own = reference_nodes(mesh.cell, mesh.order)
     elements = mesh.cells[:, matching_nodes(full_kind(mesh.cell, mesh.order).reference, own)]
     if mesh.order == degree:
@@ -98,7 +99,7 @@ def _elements(mesh: Mesh, degree: int) -> tuple[Floats, Ints]:
 
 
 def _faces(mesh: Mesh) -> dict[str, tuple[Ints, Ints]]:
-    """Elements, rising, and their faces by surface."""
+    """Return the sorted elements of each surface, and their faces."""
     found = {}
     for name, on_surface in named_sides(mesh).items():
         elements, facets = np.nonzero(on_surface)

@@ -1,10 +1,10 @@
-"""Contacts of a deck, and the rigid motions of the bodies that slide.
+"""Contacts of a deck, and the rigid motions of the sliding bodies.
 
-A scene knows its contacts to be closed. A deck has to close them: the sides overlap by a closure so
-small that nothing deforms, and all pressures are the contact stiffness times that closure.
+In a scene the contacts are closed by assumption. A deck has to close them: the sides overlap by a
+closure that is so small that nothing deforms; all pressures are the contact stiffness times it.
 
-Friction pushes side a against the velocity of a relative to b: where side a rests, side b moves in
-the direction of friction on a.
+Friction on side a acts against the velocity of a relative to b: if side a is at rest, side b moves
+in the direction of friction on a.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,19 +21,19 @@ from scenes.export.decks.model import keyword, numbers
 from scenes.spec.contact import ContactSpec
 
 STICK = 1e-5
-"""Stick stiffness of CalculiX over contact stiffness."""
+"""Stick stiffness in CalculiX, relative to the contact stiffness."""
 MORE_FRICTION = 2.0
-"""Friction of the static step of CalculiX over that of the scene."""
+"""Friction coefficient of the static step of CalculiX, relative to that of the scene."""
 _TANGENT = 1e-6
-"""Part of a velocity along the normal that counts as none."""
+"""Relative normal component of a velocity below which it is treated as tangential."""
 
 
 @dataclass(frozen=True)
 class DeckContact:
-    """A contact as decks have it."""
+    """A contact pair of a deck."""
 
     interaction: str  # name of its surface interaction
-    slave: str  # surface that is side a, where integration points lie
+    slave: str  # surface of side a, which has the integration points
     master: str
     stiffness: float  # p (N/m^3), uniform
     mu: float
@@ -42,7 +42,7 @@ class DeckContact:
 def deck_contacts(
     contacts: Mapping[str, ContactSpec], surfaces: Mapping[str, Surface]
 ) -> list[DeckContact]:
-    """Contacts of a scene that was checked before, on surfaces by "body.surface"."""
+    """Return the contacts of a validated scene; ``surfaces`` are given by "body.surface"."""
     found = []
     for name, spec in contacts.items():
         area = surfaces[spec.a].area
@@ -53,7 +53,7 @@ def deck_contacts(
 
 
 def contact_lines(contacts: list[DeckContact], program: str, closure: float) -> Iterator[str]:
-    """Surface interactions, each a linear law, and pairs, whose sides overlap by a closure (m)."""
+    """Yield surface interactions with linear laws, and contact pairs with a closure (m)."""
     for each in contacts:
         yield keyword("SURFACE INTERACTION", NAME=each.interaction)
         yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
@@ -64,19 +64,19 @@ def contact_lines(contacts: list[DeckContact], program: str, closure: float) -> 
         pair = keyword("CONTACT PAIR", INTERACTION=each.interaction, TYPE="SURFACE TO SURFACE")
         yield pair if program == "calculix" else f"{pair}, SMALL SLIDING"
         yield f"{each.slave}, {each.master}"
-        overlap = numbers(-closure)  # in the place of whatever distance nodes have
+        overlap = numbers(-closure)  # replaces the distances of the nodes
         yield keyword("CLEARANCE", MASTER=each.master, SLAVE=each.slave, VALUE=overlap)
 
 
 @dataclass(frozen=True)
 class RigidMotion:
-    """A rigid velocity, of size one where it is slowest: at the radius, about an axis."""
+    """A rigid body velocity: a unit translation, or a rotation with unit speed at ``radius``."""
 
     direction: AlongVector | Circumferential
     radius: float = 1.0
 
     def at(self, x: Floats) -> Floats:
-        """Velocities at points, (n, 3)."""
+        """Return the velocities at points, (n, 3)."""
         direction = self.direction
         if isinstance(direction, AlongVector):
             return np.broadcast_to(_unit(direction.vector), x.shape)
@@ -89,7 +89,7 @@ def moving_bodies(
     bodies: Mapping[str, DeckBody],
     surfaces: Mapping[str, Surface],
 ) -> dict[str, RigidMotion]:
-    """Motions of the bodies that move, by name; all others rest."""
+    """Return the motions of the moving bodies, by name; all others are at rest."""
     motions: dict[str, RigidMotion] = {}
     sliding = {name: contact for name, contact in contacts.items() if contact.mu}
     resting = {contact.a.split(".")[0] for contact in sliding.values()}
@@ -101,11 +101,11 @@ def moving_bodies(
             raise InputError(f"{field}.b", contact.b, allowed)
         field = f"{field}.friction_direction_on_a"
         if not isinstance(direction, AlongVector | Circumferential):
-            allowed = "a vector, or circumferential: a rigid motion makes it"
+            allowed = "a vector, or circumferential: that of a rigid motion"
             raise InputError(field, direction, allowed)
         before = motions.get(body)
         if before is not None and before.direction != direction:
-            allowed = f"that of the contacts before, of which {body} is side b too"
+            allowed = f"the same for all contacts of which {body} is side b"
             raise InputError(field, direction, allowed)
         motion = RigidMotion(direction)
         if isinstance(direction, Circumferential):
@@ -119,7 +119,7 @@ def moving_bodies(
             velocity = motion.at(points.x)
             across = np.abs(np.einsum("ij,ij->i", points.normal, velocity))
             if (across > _TANGENT * np.linalg.norm(velocity, axis=1)).any():
-                allowed = f"along {side} everywhere, so that the sides stay together as they slide"
+                allowed = f"tangential to {side} everywhere, so that the sides stay in contact"
                 raise InputError(field, direction, allowed)
     return motions
 

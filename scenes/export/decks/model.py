@@ -1,4 +1,4 @@
-"""The model of a deck, for any program: nodes, elements, sets, surfaces and materials."""
+"""The model file of a deck for all programs: nodes, elements, sets, surfaces and materials."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from io import StringIO
@@ -12,41 +12,41 @@ from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.reading import Scene
 
 _PER_LINE = 12
-"""Numbers of a set on one line; 16 are allowed."""
+"""Entries of a set per line; the formats allow 16."""
 
 
 def keyword(name: str, **parameters: object) -> str:
-    """A keyword line; underscores in names of parameters stand for spaces."""
+    """Return a keyword line; underscores in parameter names become spaces."""
     words = [f"{key.replace('_', ' ')}={value}" for key, value in parameters.items()]
     return ", ".join([f"*{name}", *words])
 
 
 def comments(lines: Iterable[str]) -> list[str]:
-    """Comment lines; texts of several lines stay comments."""
+    """Return comment lines; every line of a text becomes a comment."""
     return [f"** {part}".rstrip() for line in lines for part in line.splitlines()]
 
 
 def numbers(*values: float) -> str:
-    """Numbers on a line, each in at most 20 characters, all that CalculiX reads of one."""
+    """Return a line of numbers of at most 20 characters each, the limit of CalculiX."""
     texts = [(repr(float(value)), value) for value in values]
     return ", ".join(text if len(text) <= 20 else f"{value:.13E}" for text, value in texts)
 
 
 def table(rows: ArrayLike, form: str) -> list[str]:
-    """A line for each row."""
+    """Return a formatted line for each row."""
     text = StringIO()
     np.savetxt(text, np.asarray(rows), fmt=form)
     return text.getvalue().splitlines()
 
 
 def model_lines(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
-    """Lines of the model file, which the decks of all programs include."""
+    """Yield the lines of the model file, which the decks of all programs include."""
     yield from comments(
         [
             f"{scene.name}: bodies of the scene, their surfaces and materials.",
             *scene.description.splitlines(),
-            "Sets of nodes and elements bear the names of the bodies; sets of nodes, and",
-            "surfaces, the names of the bodies and their surfaces, as in pad-bottom.",
+            "Node and element sets of bodies are named after the bodies; node sets and",
+            "surfaces of their surfaces after both, e.g. pad-bottom.",
         ]
     )
     for body in bodies.values():
@@ -83,7 +83,7 @@ def _body_lines(body: DeckBody) -> Iterator[str]:
 
 
 def _axes_lines(name: str, axes: Axes) -> Iterator[str]:
-    """Axes of a material: a point on axis 1 and one beside it, or two points of the axis."""
+    """Yield the axes of a material: two vectors, or two points of the axis of a cylinder."""
     if axes.cylindrical_about is not None:
         end = np.add(axes.origin, axes.cylindrical_about)
         yield keyword("ORIENTATION", NAME=name, SYSTEM="CYLINDRICAL")
@@ -94,7 +94,7 @@ def _axes_lines(name: str, axes: Axes) -> Iterator[str]:
 
 
 def _elastic_lines(material: Material) -> Iterator[str]:
-    """Constants in the axes of the material; shear stresses in the order 12, 13, 23."""
+    """Yield the elastic constants in the material axes; shear is in the order 12, 13, 23."""
     if isinstance(material, IsotropicMaterial):
         yield from (keyword("ELASTIC"), numbers(material.E, material.nu))
     elif isinstance(material, OrthotropicMaterial):
@@ -113,7 +113,7 @@ def _elastic_lines(material: Material) -> Iterator[str]:
 
 
 def boundary_lines(bodies: Mapping[str, DeckBody], **parameters: object) -> Iterator[str]:
-    """Held components of all bodies; nothing where there are none."""
+    """Yield the supported components of all bodies; nothing if there are none."""
     held = [
         f"{set_name(f'{body.name}.{support.surface}')}, {first}, {last}"
         for body in bodies.values()
@@ -126,6 +126,6 @@ def boundary_lines(bodies: Mapping[str, DeckBody], **parameters: object) -> Iter
 
 
 def _ranges(components: Iterable[str]) -> list[tuple[int, int]]:
-    """First and last number of components that are held; none named are all."""
+    """Return ranges of supported component numbers; no names stand for all components."""
     found = sorted({"xyz".index(each) + 1 for each in components})
     return [(1, 3)] if len(found) in (0, 3) else [(each, each) for each in found]

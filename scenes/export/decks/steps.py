@@ -1,22 +1,22 @@
-"""The steps of a deck, for each program: steady sliding, then frequencies about it.
+"""The steps of a deck for each program: steady sliding, then frequencies about it.
 
-Neither program knows that state. Static steps make it, in which every node is held, so that all
-contacts keep the overlap they are given and nothing deforms; the frequency step then frees all but
-the supports. What differs:
+Neither program computes that state itself. It is imposed by static steps with all nodes fixed, so
+that all contacts keep the given overlap and nothing deforms; the frequency step then releases all
+nodes except the supports. The programs differ in:
 
-- closure over the size of the bodies: 1e-12 in CalculiX, as slip is small with it and rounding of
-  coordinates smaller; 1e-7 in Abaqus.
-- sliding: CalculiX displaces the bodies that move as rigid bodies, far enough for every point to
-  slip. Its friction then lies on the limit to rounding, and the frequency step would find many
-  points to stick: of the disc and pad it then finds no instability. So the static step has twice
-  the friction, and with that of the scene all points are beyond the limit. Across the direction of
-  slip it gives a point its stick stiffness, which the scene has not: it is chosen small. Abaqus
-  gives the material a velocity (``*MOTION``), so that the mesh rests; friction then gives
-  unsymmetric terms, and no damping.
-- eigenvalues: CalculiX finds complex ones where its matrices are unsymmetric; Abaqus seeks them in
-  a basis of modes without friction: more, and further, than those asked for.
+- closure, relative to the size of the bodies: 1e-12 in CalculiX, since slip is then small and
+  rounding of coordinates is smaller; 1e-7 in Abaqus.
+- sliding: CalculiX displaces the moving bodies as rigid bodies, far enough for every point to
+  slip. Friction then equals the limit up to rounding, and the frequency step would treat many
+  points as sticking: for the disc and pad it then finds no instability. The static step therefore
+  has twice the friction; with that of the scene all points are then beyond the limit. Normal to
+  the slip direction CalculiX adds the stick stiffness, which the scene does not have; it is chosen
+  small. Abaqus gives the material a velocity (``*MOTION``), so that the mesh is at rest; friction
+  then gives unsymmetric terms, and no damping.
+- eigenvalues: CalculiX computes complex ones if its matrices are unsymmetric; Abaqus projects on a
+  basis of modes without friction, with more modes and higher frequencies than requested.
 
-The deck of Abaqus/Standard is written after its manual.
+The deck of Abaqus/Standard follows its manual.
 """
 
 from collections.abc import Iterator, Mapping
@@ -30,31 +30,31 @@ from scenes.export.decks.contacts import MORE_FRICTION, STICK, DeckContact, Rigi
 from scenes.export.decks.model import boundary_lines, comments, keyword, numbers, table
 
 CLOSURE = {"calculix": 1e-12, "abaqus": 1e-7}
-"""Closure over the size of the bodies."""
+"""Closure, relative to the size of the bodies."""
 _BEYOND = 2.0
-"""Slip over that at which a point begins to slip."""
+"""Imposed slip, relative to that at which a point begins to slip."""
 BASIS = 2
-"""Modes of the basis of Abaqus over those that are asked for, and its highest frequency."""
+"""Size and highest frequency of the modal basis of Abaqus, relative to those requested."""
 
 
 @dataclass(frozen=True)
 class Deck:
-    """What a deck is made of."""
+    """Contents of a deck."""
 
     bodies: Mapping[str, DeckBody]
     contacts: list[DeckContact]
-    motions: Mapping[str, RigidMotion]  # of the bodies that move
-    modes: int  # number that is asked for
+    motions: Mapping[str, RigidMotion]  # of the moving bodies
+    modes: int  # requested number
     max_frequency: float  # upper end of the window (Hz)
 
     def closure(self, program: str) -> float:
-        """How far the sides overlap (m)."""
+        """Return the overlap of the sides (m)."""
         points = np.concatenate([body.points for body in self.bodies.values()])
         return CLOSURE[program] * float(np.ptp(points, axis=0).max())
 
 
 def _friction_lines(contacts: list[DeckContact], stick: float | None) -> Iterator[str]:
-    """The friction of the scene, from a step on."""
+    """Yield the lines that change friction to that of the scene from this step on."""
     for each in contacts:
         if each.mu:
             yield keyword("CHANGE FRICTION", INTERACTION=each.interaction)
@@ -63,7 +63,7 @@ def _friction_lines(contacts: list[DeckContact], stick: float | None) -> Iterato
 
 
 def calculix_steps(deck: Deck) -> Iterator[str]:
-    """Sides closed and sliding, then modes."""
+    """Yield a static step that closes and slides the contacts, and the frequency step."""
     if deck.contacts:
         yield from comments(["Sides closed and sliding; nothing deforms."])
         yield from ("*STEP", "*STATIC, DIRECT", "1., 1.", "*BOUNDARY, OP=NEW")
@@ -89,7 +89,7 @@ def calculix_steps(deck: Deck) -> Iterator[str]:
 
 
 def _displacement_lines(body: DeckBody, vectors: np.ndarray) -> list[str]:
-    """A line for each component of displacements of all nodes, (n_nodes, 3)."""
+    """Return a line for each component of the displacements of all nodes, (n_nodes, 3)."""
     nodes = np.repeat(np.arange(len(vectors)) + body.first_node, 3)
     components = np.tile([1, 2, 3], len(vectors))
     values = vectors.ravel() + 0.0  # no negative zeros
@@ -98,10 +98,10 @@ def _displacement_lines(body: DeckBody, vectors: np.ndarray) -> list[str]:
 
 
 def abaqus_steps(deck: Deck) -> Iterator[str]:
-    """Sides closed, then sliding; modes without friction, then complex ones."""
+    """Yield static steps that close and slide the contacts, real modes, and complex modes."""
     if deck.contacts:
         yield from comments(
-            ["Sides closed, all nodes held: look that each contact has pressure (CPRESS)."]
+            ["Sides closed, all nodes fixed: check that each contact has pressure (CPRESS)."]
         )
         yield from ("*STEP, UNSYMM=YES", "*STATIC", "1., 1.", "*BOUNDARY, OP=NEW")
         yield from (f"{name}, 1, 3" for name in deck.bodies)
@@ -128,7 +128,7 @@ def abaqus_steps(deck: Deck) -> Iterator[str]:
 
 
 def _motion_lines(body: str, motion: RigidMotion) -> Iterator[str]:
-    """Velocity of a body: of one where it slides slowest."""
+    """Yield the velocity of a body, with unit sliding speed at its slowest point."""
     direction = motion.direction
     if isinstance(direction, Circumferential):
         yield "*MOTION, ROTATION, TYPE=VELOCITY"
@@ -142,4 +142,4 @@ def _motion_lines(body: str, motion: RigidMotion) -> Iterator[str]:
 
 
 STEPS = {"calculix": calculix_steps, "abaqus": abaqus_steps}
-"""What writes the steps of each program."""
+"""Functions that yield the steps for each program."""

@@ -1,6 +1,6 @@
-"""Scenes written as decks: a model, and the steps of each program, which include it.
+"""Export of scenes as decks: a model file, and a file of steps for each program that includes it.
 
-Scenes that a deck cannot hold are refused before a mesh is made.
+Scenes that a deck cannot represent are refused before meshing.
 """
 
 import re
@@ -29,22 +29,22 @@ from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
 
 MAX_MODES = 10_000
-"""Modes that a deck may ask for."""
+"""Largest number of modes that a deck may request."""
 _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
-"""Names that both programs take as they are; they do not tell capitals from small letters."""
+"""Names that both programs accept unchanged; both ignore case."""
 _LABELS = "a letter, then at most 29 letters, digits, _ or -,"
-_UNWRITTEN = "left out, as it is not written,"
+_UNWRITTEN = "left out, because it cannot be exported,"
 
 _Claim = tuple[str, Any, Any, str]
-"""A field, its value, whether that is wrong, and what is allowed."""
+"""A field, its value, whether it is wrong, and what is allowed."""
 
 
 def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
-    """Write a scene as decks of CalculiX and Abaqus that ask for some modes; collective.
+    """Write a scene as decks of CalculiX and Abaqus with a number of modes; collective.
 
-    Rank 0 writes ``NAME_model.inp``, ``NAME_calculix.inp`` and ``NAME_abaqus.inp``, NAME that of
-    the scene, in which signs but letters, digits, _ and - become _. What a deck cannot hold is
-    refused by its field.
+    Rank 0 writes ``NAME_model.inp``, ``NAME_calculix.inp`` and ``NAME_abaqus.inp``, where NAME is
+    the name of the scene with characters other than letters, digits, _ and - replaced by _. Raises
+    a SceneError that names all fields that a deck cannot represent.
     """
     if not 1 <= modes <= MAX_MODES:
         raise InputError("modes", modes, f"1 to {MAX_MODES}")
@@ -80,37 +80,37 @@ def _write(scene: Scene, surfaces: Mapping[str, Surface], files: list[Path], mod
         behaviour = contact_lines(deck.contacts, program, deck.closure(program))
         texts.append(iter([*head, *boundary_lines(deck.bodies), *behaviour, *steps(deck)]))
     for file, lines in zip(files, texts, strict=True):
-        # ASCII is all that both programs surely read.
+        # Both programs read ASCII reliably, but not other encodings.
         write_whole("".join(f"{line}\n" for line in lines).encode("ascii", "replace"), file)
 
 
 def _about(scene: Scene, deck: Deck, program: str) -> Iterator[str]:
-    """What heads a deck."""
+    """Yield the comments at the head of a deck."""
     yield f"{scene.name}, for {program}. Units are those of the scene."
     for name, body in deck.bodies.items():
         yield f"{name}: {len(body.points)} nodes, {len(body.elements)} {body.element_type}"
     for name, contact in scene.contacts.items():
         yield (
             f"Contact {name}: slave {contact.a}, master {contact.b}, penalty on the surface of the "
-            f"slave in place of the formulation {contact.formulation.method}."
+            f"slave instead of the formulation {contact.formulation.method}."
         )
     if program == "abaqus":
-        yield "Written after the manual of Abaqus/Standard, and not run with it."
+        yield "Written according to the manual of Abaqus/Standard, not tested with it."
 
 
 def _claims(scene: Scene) -> Iterator[_Claim]:
-    """What a deck asks of a scene."""
+    """Yield the requirements of a deck on a scene."""
     kind = scene.analysis.kind
     yield "analysis.kind", kind, kind != "cea", "'cea'"
     count = f"{len(scene.loads)} of them"
-    yield "loads", count, scene.loads, "none, which without c_n move no eigenvalue,"
+    yield "loads", count, scene.loads, "none, since without c_n they do not affect eigenvalues,"
     for name, body in scene.bodies.items():
         yield f"bodies.{name}", name, not _LABEL.fullmatch(name), _LABELS
         yield from _claims_on_body(f"bodies.{name}", body)
     for name, contact in scene.contacts.items():
         yield f"contacts.{name}", name, not _LABEL.fullmatch(name), _LABELS
         yield from _claims_on_contact(f"contacts.{name}", contact)
-    # Sets whose names become one: capitals count as small letters, and a dot as a hyphen.
+    # Names of sets must differ after conversion to lower case and of dots to hyphens.
     sets = {f"bodies.{name}": name.lower() for name in scene.bodies}
     for name, body in scene.bodies.items():
         from_file = isinstance(body.geometry, MeshFile)
@@ -119,18 +119,18 @@ def _claims(scene: Scene) -> Iterator[_Claim]:
             sets[f"bodies.{name}.geometry.{each}"] = set_name(f"{name}.{each}").lower()
     uses = Counter(sets.values())
     for place, name in sets.items():
-        yield place, name, uses[name] > 1, "a name for its set that no other has"
+        yield place, name, uses[name] > 1, "a name that gives its set a unique name"
 
 
 def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
-    allowed = "'fe', Lagrange elements and no NURBS (--backend fe),"
+    allowed = "'fe', Lagrange elements (--backend fe),"
     yield f"{field}.backend", body.backend, body.backend != "fe", allowed
     fe = body.mesh.fe if body.backend == "fe" else None
-    if fe is not None:  # elements of mesh files show when the file is read
+    if fe is not None:  # elements of mesh files are checked when the file is read
         known = (fe.cell, fe.degree) in ELEMENTS
         allowed = (
-            "1, or 2 with cell = 'tetrahedron', geometry_degree = 1, of bodies in space, as no "
-            f"element there has the nodes of a {fe.cell} of degree {fe.degree},"
+            "1, or 2 with cell = 'tetrahedron', geometry_degree = 1, for 3D bodies, since there is "
+            f"no element with the nodes of a {fe.cell} of degree {fe.degree},"
         )
         yield f"{field}.mesh.fe.degree", fe.degree, not known, allowed
         curved = known and (fe.geometry_degree or fe.degree) not in {1, fe.degree}
@@ -144,13 +144,13 @@ def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
     for i, support in enumerate(body.supports):
         place, components = f"{field}.supports.{i}", list(support.components)
         yield f"{place}.components", components, set(components) - set("xyz"), "x, y or z"
-        allowed = "left out, where supports hold at zero,"
+        allowed = "left out, since supports are fixed at zero,"
         yield f"{place}.value", support.value, support.value is not None, allowed
 
 
 def _claims_on_contact(field: str, contact: ContactSpec) -> Iterator[_Claim]:
     for name, allowed in (
-        ("c_n", "left out, P or p given instead,"),
+        ("c_n", "left out, with P or p given instead,"),
         ("full_pass", "false, since points lie on side a, the slave,"),
         ("sliding", _UNWRITTEN),
     ):
