@@ -102,7 +102,7 @@ def pair(
     ``reach`` (m) along the normal; by default within half the larger mesh size, and then the gap
     must not exceed that due to faceting of curved surfaces. Missed points are dropped if their
     fraction of the area of a is at most ``max_missed``. Raise InputError on every rank, naming
-    ``field``, if a weight is negative, too many points are missed, or the sides do not face or touch.
+    ``field``, if a weight is negative, too many points are missed, or sides do not face or touch.
     """
     must_touch, sides = reach is None, f"{a.name} on {b.name}"
     if reach is None:
