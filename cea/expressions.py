@@ -149,10 +149,10 @@ class Formula:
         try:
             used = self._used
         except ValueError as error:
-            raise self._refused(f"arithmetic, for it is none: {error}") from None
+            raise self._refused(f"an arithmetic expression: {error}") from None
         unknown = sorted(used - set(self.parameters))
         if unknown:
-            raise self._refused(f"arithmetic without {', '.join(unknown)}")
+            raise self._refused(f"an expression of known parameters, not {', '.join(unknown)}")
 
     @property
     def _tree(self) -> ast.expr:
@@ -187,7 +187,8 @@ class Formula:
             result = float(_slope(self._tree, here, name) if name else _value(self._tree, here))
         if not np.isfinite(result):
             told = ", ".join(f"{short} = {value:g}" for short, value in sorted(here.items()))
-            raise self._refused(f"of finite {what}{f', not so at {told}' if told else ''}")
+            where = f"; it is not finite at {told}" if told else ""
+            raise self._refused(f"an expression of finite {what}{where}")
         return result
 
 
@@ -203,7 +204,7 @@ def _variables(tree: ast.expr) -> frozenset[str]:
 def parsed(text: str, *, smooth: bool = False) -> ast.expr:
     """Parse a field, or a coefficient (``smooth``), to a syntax tree; ValueError if invalid."""
     if not isinstance(text, str):
-        raise ValueError("no text")
+        raise ValueError("not a string")
     if len(text) > MAX_LENGTH:
         raise ValueError(f"longer than {MAX_LENGTH} characters")
     try:
@@ -228,11 +229,11 @@ def _check(node: ast.AST, depth: int, smooth: bool) -> None:
     if isinstance(node, ast.BitXor):
         raise ValueError("a power is written **")
     if not isinstance(node, _GRAMMAR if smooth else (*_GRAMMAR, ast.Compare, *_OPERATORS)):
-        raise ValueError(f"{type(node).__name__} is no arithmetic")
+        raise ValueError(f"{type(node).__name__} is not allowed")
     match node:
         case ast.Constant(value=value):
             if not isinstance(value, int | float) or isinstance(value, bool):
-                raise ValueError(f"{type(value).__name__} is no number")
+                raise ValueError(f"{type(value).__name__} is not a number")
             if abs(value) > float_info.max:
                 raise ValueError("a number is too large")
         case ast.Compare(ops=[_, _, *_]):
@@ -243,9 +244,9 @@ def _check(node: ast.AST, depth: int, smooth: bool) -> None:
                 raise ValueError(f"{name} is not among {', '.join(known)}")
             # np.where is not a ufunc and has no nin; it takes three arguments.
             if len(args) != (count := getattr(getattr(np, name), "nin", 3)):
-                raise ValueError(f"{name} takes {count}, not {len(args)}")
+                raise ValueError(f"{name} takes {count} arguments, not {len(args)}")
         case ast.Call():
-            raise ValueError("what is called is no function")
+            raise ValueError("only functions can be called")
     for child in ast.iter_child_nodes(node):
         _check(child, depth - 1, smooth)
 
@@ -257,7 +258,7 @@ def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:
             return np.float64(number)
         case ast.Name(id=name):
             if name not in names and name not in _CONSTANTS:
-                raise ValueError(f"{name} is not known")
+                raise ValueError(f"{name} is unknown")
             return names[name] if name in names else _CONSTANTS[name]
         case ast.UnaryOp(op=op, operand=inner):
             return _OPERATORS[type(op)](_value(inner, names))
@@ -267,7 +268,7 @@ def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:
             return _OPERATORS[type(op)](_value(left, names), _value(right, names))
         case ast.Call(func=ast.Name(id=name), args=args):
             return getattr(np, name)(*(_value(each, names) for each in args))
-    raise ValueError(f"{type(node).__name__} is no arithmetic")
+    raise ValueError(f"{type(node).__name__} is not allowed")
 
 
 def _slope(node: ast.AST, names: Mapping[str, Any], name: str) -> Any:

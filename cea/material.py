@@ -127,7 +127,7 @@ def _unit(vectors: Floats, whole: Floats) -> Floats:
     """Return unit vectors, (3, n); InputError if a vector is tiny relative to ``whole``."""
     length = np.linalg.norm(vectors, axis=0)
     if not (length > _PARALLEL * np.linalg.norm(whole, axis=0)).all():
-        raise InputError("axes", "no direction somewhere", "directions that differ at every point")
+        raise InputError("axes", "undefined at some point", "directions that differ at every point")
     return vectors / length
 
 
@@ -307,7 +307,7 @@ class OrthotropicMaterial(SolidOfConstants):
         return np.linalg.inv(inverse)
 
     def __post_init__(self) -> None:
-        allowed = "nine constants; E_1, E_3, nu_12, nu_13, G_13 alone are isotropic about axis 3"
+        allowed = "nine constants, or E_1, E_3, nu_12, nu_13, G_13 for isotropy about axis 3"
         known = sorted(self.constants)
         require(len(known) in (5, 9), "material.constants", known, allowed)
         super().__post_init__()

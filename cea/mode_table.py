@@ -17,8 +17,8 @@ MARKS: dict[str, str] = {"unstable": "▲", "grows slowly": "△", "undecided": 
 """Symbol shown beside a mode, or a run, by its verdict; other verdicts have none."""
 SIGNS = (
     "▲ unstable, △ grows slowly, ◆ undecided; growth rate Re lambda, damping ratio "
-    "-Re lambda / |lambda|; errors are algebraic (residual and rounding): cea converge tells those "
-    "of the mesh"
+    "-Re lambda / |lambda|; errors are algebraic (residual and rounding): cea converge "
+    "estimates those of the mesh"
 )
 """Legend of symbols and columns."""
 TITLES = {

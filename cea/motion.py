@@ -130,9 +130,9 @@ class ModalDamping:
         allowed = "one for all modes up to max_frequency, or ratios at frequencies"
         require((self.ratio is None) != (self.ratios is None), "ratio", self.ratio, allowed)
         together = (self.ratio is None) == (self.max_frequency is None)
-        require(together, "max_frequency", self.max_frequency, "given where ratio is (Hz)")
+        require(together, "max_frequency", self.max_frequency, "given together with ratio (Hz)")
         together = (self.ratios is None) == (self.frequencies is None)
-        require(together, "frequencies", self.frequencies, "given where ratios are (Hz)")
+        require(together, "frequencies", self.frequencies, "given together with ratios (Hz)")
         positive = self.max_frequency is None or _is_positive(self.max_frequency)
         require(positive, "max_frequency", self.max_frequency, "positive, finite (Hz)")
         require(self.ratio is None or _is_ratio(self.ratio), "ratio", self.ratio, _RATIO)

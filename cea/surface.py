@@ -122,7 +122,7 @@ class Surface(Chart):
         """Return the elements of points; raise InputError if a point was missed."""
         if len(at) and not 0 <= at.element.min() <= at.element.max() < self.num_elements:
             wrong = [at.element.min(), at.element.max()]
-            raise InputError("at.element", wrong, f"0 to {self.num_elements - 1}: points found")
+            raise InputError("at.element", wrong, f"0 to {self.num_elements - 1}: located points")
         return at.element
 
     def offset(self, at: SurfaceCoordinates, direction: Floats) -> Floats:

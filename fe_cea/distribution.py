@@ -36,7 +36,7 @@ def distribute(mesh: Mesh | None, comm: Any, field: str) -> tuple[Any, Any, dict
     said = (mesh.cell, mesh.order, tuple(mesh.surfaces)) if mesh is not None else None
     said = comm.bcast(said, root=0)
     if said is None:
-        raise InputError(field, None, "a mesh, on rank 0 at least")
+        raise InputError(field, None, "a mesh, at least on rank 0")
     cell, order, names = said
     dim = DIMENSION[cell]
     element = basix.ufl.element(

@@ -25,7 +25,7 @@ def prolongation(coarse: Any, fine: Any, comm: Any, field: str) -> csr_array:
     """Return the prolongation from one space of a body to another; collective."""
     before, dim = coarse.mesh.geometry.dim, fine.mesh.geometry.dim
     if before != dim:
-        raise InputError(field, f"{dim} dimensions", f"{before}, as the coarse body has")
+        raise InputError(field, f"{dim} dimensions", f"{before}, the dimension of the coarse body")
     cells = Cells.of(coarse)
     first, last = fine.dofmap.index_map.local_range
     nodes = fine.tabulate_dof_coordinates()[: last - first, :dim]

@@ -76,7 +76,7 @@ class LagrangeSpace(LagrangeMatrices):
         self.comm = lasting_communicator(mesh.comm)
         for surface, tag in surface_tags.items():
             there = self.comm.allreduce(len(facet_tags.find(tag))) > 0
-            require(there, f"{field}.surfaces.{surface}", tag, "the tag of some facets")
+            require(there, f"{field}.surfaces.{surface}", tag, "the tag of at least one facet")
         with agreed(self.comm):
             check_jacobians(mesh, f"{field}.mesh")
         self._field = field

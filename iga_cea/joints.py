@@ -58,7 +58,7 @@ def _joined(side_a: "_Side", side_b: "_Side", field: str) -> "_Joint | None":
         allowed = f"joined faces; these are {joint.gap:.3g} m apart: merge_nodes joins them"
         raise InputError(field, names, allowed)
     if not _face_each_other(a, b):
-        allowed = "patches beside each other, none given twice: these lie on each other"
+        allowed = "adjacent patches, none given twice: these overlap"
         raise InputError(field, names, allowed)
     return joint
 
@@ -87,8 +87,8 @@ def _check_pieces(faces: Sequence[PatchFace], joints: Sequence["_Joint"], field:
     )
     gap = KDTree(first).query(others)[0].min()
     allowed = (
-        f"one body, its patches joined by whole faces: control points of others are {gap:.3g} m "
-        "apart; merge_nodes makes nearer ones one"
+        f"one body of patches joined by whole faces: the nearest control points are {gap:.3g} m "
+        "apart; merge_nodes joins closer ones"
     )
     raise InputError(field, f"{count} bodies that share no face", allowed)
 

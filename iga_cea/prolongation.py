@@ -33,7 +33,7 @@ def prolongation(coarse: Multipatch, fine: Multipatch, rank: int, field: str) ->
     """
     before, after = coarse.patches, fine.patches
     if len(before) != len(after) or coarse.dim != fine.dim:
-        allowed = f"{len(before)} in {coarse.dim} dimensions, as the coarse body has"
+        allowed = f"{len(before)} in {coarse.dim} dimensions, as in the coarse body"
         raise InputError(field, f"{len(after)} in {fine.dim} dimensions", allowed)
     first, last = fine.dof_ranges[rank : rank + 2]
     columns = coarse.num_scalar_dofs
@@ -71,7 +71,7 @@ def _of_patch(coarse: Patch, fine: Patch, field: str) -> csr_array:
     difference = np.abs(matrix @ coarse.control_points.reshape(-1, fine.dim) - points).max()
     apart = float(difference / np.linalg.norm(np.ptp(points, axis=0)))
     if apart > max(_SAME, error):
-        raise InputError(f"{field}.control_points", f"{apart:.3g} apart", "one body in both")
+        raise InputError(f"{field}.control_points", f"{apart:.3g} apart", "the same body in both")
     return matrix
 
 

@@ -12,7 +12,7 @@ one row per control point, solved for the component along d at its Greville absc
 Projection is more accurate than collocation at the Greville abscissae: u . d does not vanish
 between the points, and the error of eigenvalues is the work of the reaction t on it,
 int t (u . d) dA (Strang's second lemma). For collocation this is of order q + 1. For projection it
-is int (t - Pi t) (u . d) dA, Pi t the projected reaction, of order 2 q + 2, above the order 2 q of the
+is int (t - Pi t) (u . d) dA, Pi t the projected reaction, of order 2 q + 2, above the 2 q of the
 discretisation. In a ring of 6 by 24 elements with u_r = 0 at its boundaries, errors of the lowest
 kappa are 8e-5, 5e-7, 8e-9 projected and 3e-4, 2e-4, 6e-5 collocated for q = 2, 3, 4. Both admit
 exactly a motion with u . d = 0 everywhere, so that a body between rollers rotates freely.

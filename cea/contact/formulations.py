@@ -102,7 +102,7 @@ def register[T: type[Formulation]](formulation: T) -> T:
     other = _REGISTER.get(method, formulation)
     # A class that is defined again, as in a notebook, replaces itself.
     same = f"{other.__module__}.{other.__qualname__}" == where
-    require(same, f"{where}.method", method, f"a name that {other.__qualname__} has not")
+    require(same, f"{where}.method", method, f"a name other than that of {other.__qualname__}")
     _REGISTER[method] = formulation
     return formulation
 

@@ -30,7 +30,7 @@ class AlongVector:
     def check(self, dim: int, field: str) -> None:
         """Raise InputError if the vector has another dimension than space."""
         fits = len(self.vector) == dim
-        require(fits, f"{field}.vector", self.vector, f"{dim} numbers, as space has")
+        require(fits, f"{field}.vector", self.vector, f"{dim} numbers, the dimension of space")
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Return unit tangents (n, dim) at positions x (m) with unit normals."""
@@ -139,6 +139,6 @@ def _tangent(direction: Floats, normal: Floats) -> Floats:
         raise InputError(
             _FIELD,
             direction[worst].tolist(),
-            f"a direction with a part tangent to side a, whose normal here is {normal[worst]}",
+            f"a direction that is not normal to side a, whose normal here is {normal[worst]}",
         )
     return tangent / length[:, None]

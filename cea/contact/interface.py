@@ -120,8 +120,8 @@ def pair(
     fraction = float(missed_area + (left_out if left_out > _QUADRATURE else 0.0))
     allowed = (
         f"surfaces that face each other within {reach:.3g} m: points on {100 * fraction:.2g} % "
-        f"of the area of side a find nothing on side b, at most {100 * max_missed:.2g} % may; "
-        "take more elements, or raise max_missed"
+        f"of the area of side a have no opposite point on side b, the limit is "
+        f"{100 * max_missed:.2g} %; refine the mesh, or raise max_missed"
     )
     require(fraction <= max_missed, field, sides, allowed)
     if not found.all():
@@ -131,7 +131,7 @@ def pair(
         cosine = np.einsum("ij,ij->i", points.normal[rows], b.normal(opposite.at))
         trace_a, trace_b = a.trace(points.at[rows]), b.trace(opposite.at)
     worst = comm.allreduce(float(cosine.max(initial=-np.inf)), MPI.MAX)
-    allowed = f"surfaces whose outward normals have a cosine up to {_FACING}, not {worst:.3g}"
+    allowed = f"the cosine of their outward normals must be at most {_FACING}, not {worst:.3g}"
     facing = bool(len(points)) and worst <= _FACING
     require(facing, field, sides, f"surfaces that face each other: {allowed}")
     least = comm.allreduce(float(opposite.distance.min(initial=np.inf)), MPI.MIN)
@@ -178,7 +178,7 @@ def _check_weights(weights: Floats, field: str) -> None:
     wrong = weights[~(np.isfinite(weights) & (weights >= 0))]
     valid = not len(wrong) and (not len(weights) or bool(weights.any()))
     value, place = float(wrong[0]) if len(wrong) else 0.0, f"{field}.formulation.weights"
-    allowed = "area weights of points that are zero or positive, and some positive"
+    allowed = "nonnegative area weights of points, some of them positive"
     require(valid, place, value, allowed)
 
 
@@ -192,7 +192,7 @@ def _check_gap(
     found = [f"{largest:.3g} m apart"] if largest > explained else []
     found += [f"{-least:.3g} m inside each other"] if -least > explained else []
     allowed = (
-        f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by "
-        f"up to {np.degrees(angle):.2g} degrees, and their meshes explain {explained:.3g} m"
+        f"given if surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by "
+        f"up to {np.degrees(angle):.2g} degrees, and faceting accounts for {explained:.3g} m only"
     )
     require(not found, f"{field}.reach", None, allowed)

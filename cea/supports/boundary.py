@@ -49,7 +49,7 @@ class Support:
         frames = "of one frame: " + ", or ".join(", ".join(names) for names in _FRAMES)
         require(of_one, "components", components, frames)
         for name, vector in (("axis", self.axis), ("origin", self.origin)):
-            allowed = "left out beside components other than radial, circumferential, axial"
+            allowed = "left out unless components are radial, circumferential, axial"
             require(vector is None or self._about_axis, name, vector, allowed)
             finite = vector is None or bool(np.isfinite(vector).all())
             require(finite, name, vector, "finite coordinates (m)")
@@ -59,7 +59,7 @@ class Support:
         require(finite, "value", self.value, "finite numbers (m)")
         if isinstance(self.value, tuple) and count:
             require(len(self.value) == count, "value", self.value, f"one number (m), or {count}")
-            allowed = "each once where each has a value"
+            allowed = "distinct if each has a value"
             require(len(set(components)) == count, "components", components, allowed)
 
     @property
@@ -74,12 +74,12 @@ class Support:
     def check(self, dim: int, field: str) -> None:
         """Raise InputError for components, axes or values that do not fit the dimension."""
         if self._about_axis:
-            allowed = "left out in the plane" if dim == 2 else "three numbers, the axis meant"
+            allowed = "left out in 2D" if dim == 2 else "three numbers, the direction of the axis"
             require((self.axis is None) == (dim == 2), f"{field}.axis", self.axis, allowed)
             fits = self.origin is None or len(self.origin) == dim
             require(fits, f"{field}.origin", self.origin, f"{dim} coordinates (m)")
         beyond = {"z", "axial"} & set(self.components) if dim == 2 else set()
-        allowed = "those of the plane: x, y, radial, circumferential, normal"
+        allowed = "those of 2D: x, y, radial, circumferential, normal"
         require(not beyond, f"{field}.components", self.components, allowed)
         held = self._held(dim)
         fits = not isinstance(self.value, tuple) or len(self.value) == len(held)

@@ -124,8 +124,8 @@ def _elimination(solved: csr_array, free: csr_array, field: str) -> csr_array:
 def _contradiction(field: str) -> InputError:
     return InputError(
         field,
-        "directions that turn along a surface, beside others held at its edge",
-        "at such an edge, directions that differ everywhere or agree everywhere",
+        "directions that vary on a surface, next to others at its edge",
+        "directions that differ, or agree, all along this edge",
     )
 
 
@@ -146,6 +146,6 @@ def _held_displacement(
     largest = np.abs(held.value).max(initial=0.0)
     if (wrong > (_SAME + 4 * sine) * largest).any():
         value = float(held.value[np.argmax(wrong)])
-        allowed = "the value of the other supports that hold the same component at an edge"
+        allowed = "the value of the other supports of the same component at an edge"
         raise InputError(f"{field}.value", value, allowed)
     return np.einsum("nk,nki->ni", amount, taken)

@@ -189,8 +189,8 @@ def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any
             continue
         if contact.coupling != "pointwise" or not contact.has_pressure:
             allowed = (
-                "pointwise and of finite stiffness where a support that prescribes a displacement "
-                "meets a side; or c_n, a law of the gap"
+                "pointwise and of finite stiffness if a support prescribes a displacement of a "
+                "side; or a law with c_n"
             )
             raise InputError(f"contacts.{contact.pair}.formulation", contact.coupling, allowed)
         load.array[:] -= contact.force(contact.slope * contact.prescribed)

@@ -39,7 +39,7 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
     try:
         frequencies, vectors = _elastic_modes(path, body, damping.end)
     except ConvergenceError as error:
-        raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
+        raise ConvergenceError(f"modal damping of {path}: {error}") from error
     factors = damping.factors_at(frequencies)
     damped = factors > 0
     vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
@@ -61,7 +61,7 @@ def _elastic_modes(path: str, body: Body, end: float) -> tuple[Floats, Floats]:
         end = max((1 + _BEYOND) * end, least)
         modes_below = count_below(matrices, (2 * np.pi * end) ** 2)
         if modes_below > _MOST:
-            allowed = f"at most {_MOST} modes that are damped one by one; Rayleigh damping for more"
+            allowed = f"at most {_MOST} damped modes; use Rayleigh damping for more"
             raise InputError(f"{path}.damping.modal", f"{modes_below} up to {end:g} Hz", allowed)
         if modes_below == matrices.size:  # reduce the end to one just above all modes
             below = partial(count_below, matrices)

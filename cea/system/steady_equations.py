@@ -210,8 +210,8 @@ class SteadyEquations:
             sizes.free()
             if norm > rounding:
                 raise ConvergenceError(
-                    f"the state of steady sliding is no equilibrium: {norm / size:.1e} of the load "
-                    f"is left over, where rounding comes to {rounding / size:.1e}",
+                    f"the state of steady sliding is not in equilibrium: the residual is "
+                    f"{norm / size:.1e} of the load, its rounding error {rounding / size:.1e}",
                     best=state,
                 )
         return float(norm / size)

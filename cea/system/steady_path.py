@@ -39,10 +39,10 @@ _SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
 """Factors by which laws are divided in turn if the law itself does not converge."""
 _TOGETHER = 1e-9  # remaining load, relative to a step, that is added to the last substep
 _FREE = (
-    "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
-    "bodies"
+    "a rigid body mode is free: supports, and contacts with all points closed, do not constrain "
+    "the bodies"
 )
-_LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent is singular"
+_LEAVE_FREE = "the closed points leave a rigid body mode free: the tangent is singular"
 
 
 def steady_sliding(
@@ -59,9 +59,9 @@ def steady_sliding(
     Raise ConvergenceError, with the last state, if the load opens the contact, a rigid body mode is
     free, or no equilibrium is found.
     """
-    require(system.load is not None, "load", None, "forces: the system was coupled without")
+    require(system.load is not None, "load", None, "loads: the system was coupled without any")
     linear = all(contact.law.linear for contact in system.contacts)
-    require(not linear, "contacts", list(system.bodies), "one with a law of its closure")
+    require(not linear, "contacts", list(system.bodies), "at least one with a nonlinear law")
     if isinstance(steps, int):
         steps = tuple(number / steps for number in range(1, steps + 1))
     equations = SteadyEquations(system)
@@ -201,7 +201,7 @@ class _Path:
             return (
                 f"no state of steady sliding was found at {factor:.3g} of the load: bodies rotate "
                 "beyond a critical rate, at which their convective stiffness exceeds their own; "
-                "there need not be any"
+                "it may not exist"
             )
         if not run.state.closed_points or self._pulls(factor):
             return OPENS

@@ -61,7 +61,7 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
         if len(supports):
             reactions[name] = supports.sum(axis=1)
         if left > allowed:
-            unbalanced.append(f"{left:.3g} N are left over on {name}, where {allowed:.1g} N may")
+            unbalanced.append(f"a residual of {left:.3g} N on {name}, above {allowed:.1g} N")
     # Sums may differ between ranks by rounding.
     unbalanced = system.template.comm.tompi4py().bcast(unbalanced)
     if unbalanced:
