@@ -18,7 +18,7 @@ D contains all inertia, with Coriolis forces. Without Coriolis forces the displa
 the material, R u = (a x r) . grad u - a x u: R then commutes with the elasticity of the body, and
 a free body has exactly the eigenvalues lambda_0 +- i m Omega, m the number of nodal diameters, if
 Z is included (Genta, Dynamics of Rotating Systems, 2005). The geometric stiffness of centrifugal
-forces, which is of the same order as Z, is neglected in both cases.
+forces, which is of the same order as Z, is not included in either case.
 
 Material damping acts on the velocity in the rotating material, d u / d t + Omega R u, always with
 the R of displacements that rotate with the material. Besides C u_t it gives the circulatory
@@ -202,7 +202,7 @@ class Rotation:
         A point of the axis (m).
     convective_stiffness
         Whether the stiffness includes the term - Omega^2 Z. The geometric stiffness of the
-        centrifugal forces, which is of the same order, is always neglected.
+        centrifugal forces, which is of the same order, is not included.
     coriolis
         Whether Coriolis forces act. If not, displacements rotate with the material, and modes of a
         free body are shifted by m Omega.

@@ -289,7 +289,7 @@ class Mortar(OnSegments):
 @register
 @dataclass(frozen=True)
 class Bonded(OnSegments):
-    """Both sides tied in every direction, to join nonmatching meshes of one body.
+    """Both sides tied in every direction, without friction, to join nonmatching meshes of one body.
 
     The jump is projected on the trace space of side a, as in mortar contact.
 

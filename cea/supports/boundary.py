@@ -34,7 +34,7 @@ class Support:
         A point of the axis (m), by default the origin.
     value
         Prescribed displacement (m): a number for each named component (for x, y, z if none is
-        named), or one for all; by default zero. Small motions are always zero.
+        named), or one for all; by default zero. Small motions are zero there.
     """
 
     surface: str
