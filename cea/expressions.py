@@ -208,7 +208,7 @@ def parsed(text: str, *, smooth: bool = False) -> ast.expr:
     if len(text) > MAX_LENGTH:
         raise ValueError(f"longer than {MAX_LENGTH} characters")
     try:
-        with catch_warnings():  # is refused below with a message of one line
+        with catch_warnings():  # "0.3if" is refused below with a message of one line
             simplefilter("ignore", SyntaxWarning)
             tree = ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:

@@ -210,7 +210,7 @@ class SteadyEquations:
             sizes.free()
             if norm > rounding:
                 raise ConvergenceError(
-                    f"the state of steady sliding is not in equilibrium: the residual is "
+                    "the state of steady sliding is not in equilibrium: the residual is "
                     f"{norm / size:.1e} of the load, its rounding error {rounding / size:.1e}",
                     best=state,
                 )

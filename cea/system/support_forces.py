@@ -5,8 +5,8 @@
 on all dofs of a body is the force of its supports: it is divided among them along the directions
 that each constrains (:mod:`cea.supports.constraints`), and must leave no remainder.
 
-Contacts are assembled on all dofs of the bodies, without supports. Multipliers are taken from the
-solution, because gaps do not determine the forces of stiff and tied contacts: they are L^T f, with
+Contacts are assembled on all dofs of the bodies, without supports. Multipliers f are those of the
+solution, since gaps do not determine forces of stiff and tied contacts; their forces are L^T f with
 L = Q^T sqrt(W p^) (G - mu T) for pointwise contact, G and T on all dofs and Q that of the solution
 (:mod:`cea.contact.saddle`).
 
@@ -33,7 +33,7 @@ from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
 _BALANCED = 1e-8
-"""Remainder, relative to the largest force on a body, treated as zero."""
+"""Tolerance of the remainder, relative to the largest force on a body."""
 _ROUNDING = 10.0 * float(np.finfo(float).eps)
 """The same relative to the sum of stiffnesses times displacements."""
 
