@@ -1,6 +1,6 @@
-"""What both backends share: contact algebra, coupled matrices, eigenvalue drivers.
+"""Code shared by both backends: contact algebra, coupled matrices, eigenvalue drivers.
 
-Importing this package costs nothing: :mod:`cea.petsc` brings in PETSc, where it is used.
+Importing this package is cheap: PETSc is imported by :mod:`cea.petsc` only.
 """
 
 __version__ = "0.1.0"

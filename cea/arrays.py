@@ -1,4 +1,4 @@
-"""Kinds of arrays, arrays of plain numbers from whatever was given for one, chunks of arrays."""
+"""Array types, checked conversion of input to arrays of numbers, and slices for chunked work."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -16,17 +16,17 @@ _CHUNK_BYTES = 64_000_000
 
 
 def chunks(count: int, bytes_each: float) -> Iterator[slice]:
-    """Slices that cover ``range(count)``, the temporaries of each near 64 MB."""
+    """Yield slices that cover ``range(count)``, each with about 64 MB of temporaries."""
     step = max(1, int(_CHUNK_BYTES / bytes_each))
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))
 
 
 def numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[Any]:
-    """Real numbers as an array of the type they have.
+    """Return real numbers as an array, keeping their type.
 
-    Refused, with what is allowed in words, when they are text, truth values, complex, or not
-    equally long at each depth.
+    Raise :class:`InputError`, which quotes ``allowed``, for text, booleans, complex numbers and
+    ragged sequences.
     """
     try:
         array = np.asarray(values)
@@ -37,20 +37,20 @@ def numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[Any]:
 
 
 def finite_numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[np.float64]:
-    """Finite real numbers as an array of floats, or refused as by :func:`numbers`."""
+    """Return finite real numbers as an array of floats; raise as :func:`numbers` does."""
     array = numbers(values, field, allowed).astype(np.float64, copy=False)
     require(bool(np.isfinite(array).all()), field, values, allowed)
     return array
 
 
 def of_size_one(vector: ArrayLike) -> NDArray[np.float64]:
-    """A vector scaled by a power of two, which rounds nothing: its length cannot overflow."""
+    """Scale a vector by a power of two, without rounding, so that its norm cannot overflow."""
     values = np.asarray(vector, dtype=np.float64)
     return np.ldexp(values, -int(np.frexp(np.abs(values).max())[1]))
 
 
 def arms_about(axis: ArrayLike, origin: Sequence[float], x: Floats) -> tuple[Floats, Floats]:
-    """Unit vector of an axis, (3,), and arms from it to positions x (m), (n, dim): (n, 3)."""
+    """Return the unit vector of an axis, (3,), and lever arms from it to x (m), (n, 3)."""
     direction = of_size_one(axis)
     direction /= np.linalg.norm(direction)
     dim, arm = x.shape[1], np.zeros((len(x), 3))
@@ -59,7 +59,7 @@ def arms_about(axis: ArrayLike, origin: Sequence[float], x: Floats) -> tuple[Flo
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a finite real number, and no truth value."""
+    """Return whether a value is a finite real number and not a boolean."""
     if not isinstance(value, int | float | np.integer | np.floating) or isinstance(value, bool):
         return False
     try:

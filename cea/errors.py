@@ -1,4 +1,4 @@
-"""Errors that say what was wrong, suggestions of what was meant, and warnings as data."""
+"""Exceptions, suggestions for misspelt names, and warnings as data."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
@@ -6,34 +6,34 @@ from difflib import get_close_matches
 from typing import Any
 from unicodedata import category
 
-_LONGEST = 300  # characters of a value or a name that a message shows, at most
-_WORDS = 1200  # characters of what is allowed
-_COMPARED = 100  # characters of names for which a similar one is searched
+_LONGEST = 300  # longest value or name shown in a message, in characters
+_WORDS = 1200  # longest text that says what is allowed, in characters
+_COMPARED = 100  # longest name for which similar names are searched, in characters
 
 
 def _shown(value: object) -> str:
-    """A value as Python writes it, its middle left out where it is long."""
+    """Return the repr of a value, shortened in the middle if it is long."""
     try:
         text = repr(value)
-    except Exception:  # a whole number of too many digits, or what cannot show itself
+    except Exception:  # an integer with too many digits, or an object whose repr fails
         return f"a value of type {type(value).__name__}"
     return _short(text)
 
 
 def _short(text: str, longest: int = _LONGEST) -> str:
-    """Text, its middle left out where it is long."""
+    """Return text, shortened in the middle if it has more than ``longest`` characters."""
     half = longest // 2
     return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
 
 
 def printable(text: str) -> str:
-    """Text whose signs that a terminal would obey are written out, but for ends of lines."""
+    """Return text with control characters escaped, except ends of lines."""
     kept = (c.isprintable() or c == "\n" or category(c) == "Zs" for c in text)
     return "".join(c if keep else ascii(c)[1:-1] for c, keep in zip(text, kept, strict=True))
 
 
 class InputError(ValueError):
-    """Input refused: the field as the user wrote it, its value, and what is allowed, in words."""
+    """Invalid input: the field as the user wrote it, its value, and what is allowed, as text."""
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
         self.field = field
@@ -43,23 +43,23 @@ class InputError(ValueError):
         super().__init__(printable(" ".join(message.split())))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Travel between ranks by what it was made from, not by its message."""
+        """Pickle the arguments instead of the message, so that ranks can exchange the error."""
         return type(self), (self.field, self.value, self.allowed)
 
 
 class WriteError(OSError):
-    """A file that could not be written, of which nothing is left behind."""
+    """A file could not be written; no part of it is left on the disk."""
 
 
 class ConvergenceError(RuntimeError):
-    """An iteration that stopped short: what did not converge, and the best answer so far."""
+    """An iteration did not converge; ``best`` holds the best approximation so far."""
 
     def __init__(self, message: str, best: Any = None) -> None:
         self.best = best
         super().__init__(message)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Travel between ranks without the best answer, which may be spread over them."""
+        """Pickle without the best approximation, which may be distributed over the ranks."""
         return type(self), (str(self),)
 
 
@@ -70,7 +70,7 @@ def require(condition: bool, field: str, value: object, allowed: str) -> None:
 
 
 def did_you_mean(name: object, known: Iterable[object]) -> str:
-    """The end of a message: "; did you mean 'pad'?", or nothing where no known name is near."""
+    """Return "; did you mean 'pad'?" to end a message, or "" if no known name is similar."""
     if not isinstance(name, str) or len(name) > _COMPARED:
         return ""
     folded = {str(each).casefold(): str(each) for each in reversed(list(known))}
@@ -80,12 +80,12 @@ def did_you_mean(name: object, known: Iterable[object]) -> str:
 
 @dataclass(frozen=True)
 class ResultWarning:
-    """Something a reader of a result must know."""
+    """Warning attached to a result."""
 
-    kind: str  # what it is about, one word or a few joined by hyphens: programs look at this
-    message: str  # the same in a sentence
-    data: Mapping[str, Any] = field(default_factory=dict)  # its numbers
+    kind: str  # short identifier for programs, words joined by hyphens
+    message: str  # the warning as a sentence
+    data: Mapping[str, Any] = field(default_factory=dict)  # numbers in the message
 
     def plain(self) -> dict[str, Any]:
-        """As plain data."""
+        """Return the warning as a dictionary."""
         return asdict(self)

@@ -1,7 +1,7 @@
-"""Expressions given as text: fields over an interface, and coefficients of a pencil.
+"""Expressions given as text: fields over an interface, and coefficients of a matrix pencil.
 
-Nothing is run: the text becomes a syntax tree of numbers, names, operators and a few functions of
-numpy, whose values and derivatives are found by walking it. So
+The text is never executed: it is parsed to a syntax tree of numbers, names, operators and a few
+numpy functions, and the tree is evaluated and differentiated recursively. For example,
 
     C(Omega) = D1 + (Omega/Omega_ref) DG + (Omega_ref/Omega - 1) DR
 
@@ -34,9 +34,9 @@ _DERIVATIVES: dict[str, Callable[[Any], Any]] = {
     "sqrt": lambda a: 0.5 / np.sqrt(a),
     "abs": lambda a: np.copysign(1.0, a),
 }
-"""Derivatives of the functions that a coefficient may call."""
+"""Derivatives of the functions allowed in coefficients."""
 FUNCTIONS = (*_DERIVATIVES, "arcsin", "arccos", "arctan2", "minimum", "maximum", "where", "hypot")
-"""Functions of numpy that an expression may call."""
+"""Numpy functions allowed in fields."""
 _SMOOTH: dict[type[ast.AST], Any] = {
     ast.Add: np.add,
     ast.Sub: np.subtract,
@@ -46,7 +46,7 @@ _SMOOTH: dict[type[ast.AST], Any] = {
     ast.USub: np.negative,
     ast.UAdd: np.positive,
 }
-"""Operators that a coefficient may have."""
+"""Operators allowed in coefficients."""
 _OPERATORS: dict[type[ast.AST], Any] = {
     **_SMOOTH,
     ast.Mod: np.mod,
@@ -64,26 +64,26 @@ _OPERATORS: dict[type[ast.AST], Any] = {
 _CONSTANTS = {"pi": np.pi}
 
 RESERVED = frozenset(_DERIVATIVES) | frozenset(_CONSTANTS)
-"""Names that no parameter may have."""
+"""Names that parameters must not have."""
 
 MAX_LENGTH, MAX_DEPTH = 2000, 100
-"""Characters an expression may have, and operations inside each other."""
+"""Largest number of characters of an expression, and largest depth of nested operations."""
 
 _COORDINATES = ("x", "y", "z", "r", "theta")
 _GRAMMAR = (ast.Name, ast.Load, ast.Constant, ast.Call, ast.UnaryOp, ast.BinOp, *_SMOOTH)
-"""What a coefficient is made of: no attributes, items, comprehensions, keywords, statements."""
+"""Syntax allowed in coefficients: no attributes, items, comprehensions, keywords, statements."""
 _TOO_DEEP = f"nested more than {MAX_DEPTH} deep"
 _FINITE = "finite everywhere"
 
 
 @dataclass(frozen=True)
 class Expression:
-    """A field given as text, read by a safe evaluator: arithmetic and a few functions, no more."""
+    """Field given as text: arithmetic and the functions of :data:`FUNCTIONS`, evaluated safely."""
 
     text: str  # in x, y, z (m), or r (m) and theta (rad) about the z axis, and pi
 
     def check(self, field: str, dim: int = 3) -> None:
-        """Refuse what is no expression, before there are points to evaluate it at."""
+        """Raise :class:`InputError` if the text is not a valid expression in ``dim`` dimensions."""
         try:
             self(np.full((1, dim), 0.5))
         except InputError as error:
@@ -93,12 +93,12 @@ class Expression:
 
     @property
     def constant(self) -> float | None:
-        """Its value where it names no coordinate, else None."""
+        """Value if the expression contains no coordinate, else None."""
         return None if self._varies else float(self(np.full((1, 3), 0.5))[0])
 
     @property
     def _varies(self) -> bool:
-        """Whether it names a coordinate."""
+        """Whether the expression contains a coordinate."""
         return not _variables(parsed(self.text)).isdisjoint(_COORDINATES)
 
     def __call__(self, x: Floats) -> Floats:
@@ -110,15 +110,15 @@ class Expression:
             with np.errstate(all="ignore"):
                 value = _value(parsed(self.text), names)
             values = np.broadcast_to(np.asarray(value, dtype=float), len(x)).copy()
-        except TypeError:  # of operations on what they do not know
-            allowed = f"an expression that is {_FINITE}; this one gives no number"
+        except TypeError:  # for instance bitwise operators applied to floats
+            allowed = f"an expression that is {_FINITE}; this one has no numerical value"
             raise InputError("expression", self.text, allowed) from None
         except ValueError as error:
             reason = "".join(f" ({line})" for line in str(error).splitlines()[:1])
             raise InputError("expression", self.text, allowed + reason) from None
         if not np.isfinite(values).all():
             where = x[np.flatnonzero(~np.isfinite(values))[0]]
-            raise InputError("expression", self.text, f"{_FINITE}; it is no number at {where}")
+            raise InputError("expression", self.text, f"{_FINITE}; it is not finite at {where}")
         return values
 
 
@@ -126,7 +126,7 @@ Field = float | Expression | Callable[[Floats], Floats]
 
 
 def evaluate(field: Field, x: Floats) -> Floats:
-    """Values of a field at positions x (m), shape (n,)."""
+    """Return the values of a field at positions x (m), shape (n,)."""
     if callable(field):
         return np.broadcast_to(np.asarray(field(x), dtype=float), len(x)).copy()
     return np.full(len(x), float(field))
@@ -134,11 +134,11 @@ def evaluate(field: Field, x: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Formula:
-    """A coefficient as text, a :class:`cea.eigen.coefficients.Dependence`.
+    """Coefficient given as text, a :class:`cea.eigen.coefficients.Dependence`.
 
-    The text is arithmetic in parameters, by the names that stand for them, and pi: ``+ - * / **``,
-    brackets, and sin, cos, tan, arctan, sinh, cosh, tanh, exp, log, sqrt, abs. Anything else is
-    refused, naming the place.
+    The text is arithmetic in pi and the keys of ``parameters``: ``+ - * / **``, brackets, and sin,
+    cos, tan, arctan, sinh, cosh, tanh, exp, log, sqrt, abs. Anything else raises
+    :class:`InputError`, which names ``place``.
     """
 
     text: str
@@ -149,10 +149,10 @@ class Formula:
         try:
             used = self._used
         except ValueError as error:
-            raise self._refused(f"arithmetic, for it is none: {error}") from None
+            raise self._refused(f"an arithmetic expression: {error}") from None
         unknown = sorted(used - set(self.parameters))
         if unknown:
-            raise self._refused(f"arithmetic without {', '.join(unknown)}")
+            raise self._refused(f"an expression of known parameters, not {', '.join(unknown)}")
 
     @property
     def _tree(self) -> ast.expr:
@@ -160,7 +160,7 @@ class Formula:
 
     @cached_property
     def _used(self) -> frozenset[str]:
-        """Names in the text that are parameters."""
+        """Names of parameters in the text."""
         return _variables(self._tree)
 
     def _refused(self, allowed: str) -> InputError:
@@ -169,15 +169,15 @@ class Formula:
 
     @property
     def names(self) -> frozenset[str]:
-        """Parameters it depends on."""
+        """Parameters that the coefficient depends on."""
         return frozenset(self.parameters[name] for name in self._used)
 
     def at(self, values: Mapping[str, float]) -> float:
-        """Value at given parameters."""
+        """Return the value at given parameters."""
         return self._finite("value", values)
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
-        """Derivative in one parameter."""
+        """Return the derivative with respect to one parameter."""
         inner = [short for short in self._used if self.parameters[short] == name]
         return sum(self._finite("derivative", values, short) for short in inner)
 
@@ -187,12 +187,13 @@ class Formula:
             result = float(_slope(self._tree, here, name) if name else _value(self._tree, here))
         if not np.isfinite(result):
             told = ", ".join(f"{short} = {value:g}" for short, value in sorted(here.items()))
-            raise self._refused(f"of finite {what}{f', not so at {told}' if told else ''}")
+            where = f"; it is not finite at {told}" if told else ""
+            raise self._refused(f"an expression of finite {what}{where}")
         return result
 
 
 def _variables(tree: ast.expr) -> frozenset[str]:
-    """Names in a tree that are neither constants nor functions that are called."""
+    """Return the names in a tree, except constants and names of called functions."""
     nodes = list(ast.walk(tree))
     called = [node.func for node in nodes if isinstance(node, ast.Call)]
     names = {n.id for n in nodes if isinstance(n, ast.Name) and n not in called}
@@ -201,13 +202,13 @@ def _variables(tree: ast.expr) -> frozenset[str]:
 
 @cache
 def parsed(text: str, *, smooth: bool = False) -> ast.expr:
-    """Syntax tree of what is nothing but arithmetic, of a coefficient (smooth) or a field."""
+    """Parse a field, or a coefficient (``smooth``), to a syntax tree; ValueError if invalid."""
     if not isinstance(text, str):
-        raise ValueError("no text")
+        raise ValueError("not a string")
     if len(text) > MAX_LENGTH:
         raise ValueError(f"longer than {MAX_LENGTH} characters")
     try:
-        with catch_warnings():  # "0.3if" is refused below, and says so in one line
+        with catch_warnings():  # "0.3if" is refused below with a message of one line
             simplefilter("ignore", SyntaxWarning)
             tree = ast.parse(text.strip(), mode="eval").body
     except SyntaxError as error:
@@ -219,20 +220,20 @@ def parsed(text: str, *, smooth: bool = False) -> ast.expr:
 
 
 def _check(node: ast.AST, depth: int, smooth: bool) -> None:
-    """Refuse what is nested too deep or no arithmetic, all the way down.
+    """Raise ValueError if a node, or any node below it, is not allowed or is nested too deep.
 
-    Functions take just their operands, and nowhere to write.
+    Functions must have exactly their operands, so that no output array can be passed.
     """
     if not depth:
         raise ValueError(_TOO_DEEP)
     if isinstance(node, ast.BitXor):
         raise ValueError("a power is written **")
     if not isinstance(node, _GRAMMAR if smooth else (*_GRAMMAR, ast.Compare, *_OPERATORS)):
-        raise ValueError(f"{type(node).__name__} is no arithmetic")
+        raise ValueError(f"{type(node).__name__} is not allowed")
     match node:
         case ast.Constant(value=value):
             if not isinstance(value, int | float) or isinstance(value, bool):
-                raise ValueError(f"{type(value).__name__} is no number")
+                raise ValueError(f"{type(value).__name__} is not a number")
             if abs(value) > float_info.max:
                 raise ValueError("a number is too large")
         case ast.Compare(ops=[_, _, *_]):
@@ -241,23 +242,23 @@ def _check(node: ast.AST, depth: int, smooth: bool) -> None:
             known = _DERIVATIVES if smooth else FUNCTIONS
             if name not in known:
                 raise ValueError(f"{name} is not among {', '.join(known)}")
-            # np.where, the one that is no ufunc, takes three.
+            # np.where is not a ufunc and has no nin; it takes three arguments.
             if len(args) != (count := getattr(getattr(np, name), "nin", 3)):
-                raise ValueError(f"{name} takes {count}, not {len(args)}")
+                raise ValueError(f"{name} takes {count} arguments, not {len(args)}")
         case ast.Call():
-            raise ValueError("what is called is no function")
+            raise ValueError("only functions can be called")
     for child in ast.iter_child_nodes(node):
         _check(child, depth - 1, smooth)
 
 
 def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:
-    """Value of a tree at numbers, or arrays, by name."""
+    """Evaluate a tree at numbers, or arrays, given by name."""
     match node:
         case ast.Constant(value=int() | float() as number):
             return np.float64(number)
         case ast.Name(id=name):
             if name not in names and name not in _CONSTANTS:
-                raise ValueError(f"{name} is not known")
+                raise ValueError(f"{name} is unknown")
             return names[name] if name in names else _CONSTANTS[name]
         case ast.UnaryOp(op=op, operand=inner):
             return _OPERATORS[type(op)](_value(inner, names))
@@ -267,11 +268,11 @@ def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:
             return _OPERATORS[type(op)](_value(left, names), _value(right, names))
         case ast.Call(func=ast.Name(id=name), args=args):
             return getattr(np, name)(*(_value(each, names) for each in args))
-    raise ValueError(f"{type(node).__name__} is no arithmetic")
+    raise ValueError(f"{type(node).__name__} is not allowed")
 
 
 def _slope(node: ast.AST, names: Mapping[str, Any], name: str) -> Any:
-    """Derivative of a tree of a coefficient in a name: rules of sums, products and the like."""
+    """Return the derivative of a coefficient's tree with respect to a name."""
     match node:
         case ast.UnaryOp(op=op, operand=inner):
             return _OPERATORS[type(op)](_slope(inner, names, name))

@@ -1,6 +1,6 @@
-"""Files and folders written whole or not at all: what is killed or fails leaves nothing half made.
+"""Atomic writing of files and folders: an interrupted or failed write leaves no partial file.
 
-Content goes to a hidden name beside its place and to the disk, and only then takes its place.
+Content is written to a hidden file in the same folder, flushed to the disk, and then renamed.
 """
 
 import errno
@@ -15,11 +15,11 @@ from pathlib import Path
 
 from cea.errors import InputError, WriteError
 
-_LEVEL = 6  # level of compression: the highest takes three times as long and saves a few per cent
+_LEVEL = 6  # gzip level; the highest takes three times as long and saves a few per cent
 
 
 def write_whole(content: bytes, file: Path) -> Path:
-    """Write a file whole or not at all, making its folder."""
+    """Write a file atomically, creating its folder; compress it if its suffix is ``.gz``."""
     if file.suffix == ".gz":
         content = gzip.compress(content, _LEVEL, mtime=0)
     part = _hidden(file, "part")
@@ -39,14 +39,14 @@ def write_whole(content: bytes, file: Path) -> Path:
 
 
 def regular(file: Path) -> Path:
-    """A file that may be read: devices and pipes may have no end."""
+    """Return the file, or raise OSError for devices and pipes, which may have no end."""
     if file.exists() and not file.is_file():
         raise OSError(errno.EINVAL, "not a regular file", str(file))
     return file
 
 
 def check_writable(file: Path, field: str) -> None:
-    """Refuse a file that cannot be written, before the work whose result it is to hold."""
+    """Raise :class:`InputError` if a file cannot be written, before its content is computed."""
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         regular(file)
@@ -59,7 +59,7 @@ def check_writable(file: Path, field: str) -> None:
 
 @contextmanager
 def folder_whole(folder: Path) -> Iterator[Path]:
-    """A new folder to fill, which takes the place of a folder when the block ends without error."""
+    """Yield a new folder to fill, which replaces ``folder`` if the block ends without an error."""
     part, old = _hidden(folder, "part"), _hidden(folder, "old")
     try:
         with _told(folder):
@@ -82,7 +82,7 @@ def folder_whole(folder: Path) -> Iterator[Path]:
 
 @contextmanager
 def _told(place: Path) -> Iterator[None]:
-    """Tell faults of the disk by the place that was to be written."""
+    """Turn an OSError of the block into a :class:`WriteError` that names the place."""
     try:
         yield
     except OSError as error:
@@ -94,7 +94,7 @@ def _hidden(place: Path, what: str) -> Path:
 
 
 def _sync(folder: Path) -> None:
-    """Bring the names in a folder to the disk."""
+    """Flush the directory entries of a folder to the disk."""
     number = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(number)
@@ -103,10 +103,10 @@ def _sync(folder: Path) -> None:
 
 
 def ignore_closed_pipes() -> None:
-    """Let a write to a closed pipe raise BrokenPipeError, as Python does.
+    """Make a write to a closed pipe raise BrokenPipeError, as Python does by default.
 
-    PETSc catches the signal that such a write sends, and gmsh leaves it to end the process: to be
-    called after either begins. Signals belong to the main thread; elsewhere nothing changes.
+    PETSc handles SIGPIPE itself, and gmsh restores its default, which ends the process: call this
+    after either is initialised. Only the main thread can set signals; elsewhere nothing changes.
     """
     if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)

@@ -1,8 +1,8 @@
-"""Point location on a curved surface along given directions: clamped Newton on candidates.
+"""Location of points on a curved surface along given directions, by clamped Newton iterations.
 
 For a point x with direction d and a surface element with position F(xi), solve
-F(xi) - s d = x for xi and the signed distance s, xi kept inside the element. What is left of the
-residual is the distance by which the line misses the element.
+F(xi) - s d = x for xi and the signed distance s, with xi clamped to the element. The residual that
+remains is the distance by which the line misses the element.
 """
 
 from abc import ABC, abstractmethod
@@ -18,19 +18,19 @@ from cea.mesh import lattice
 from cea.surface_points import Location, Status, SurfaceCells, SurfaceCoordinates
 
 TOLERANCE = 1e-8
-"""Default miss allowed, relative to the local mesh size."""
+"""Default tolerance for the distance by which a line misses a surface, in local mesh sizes."""
 
 _MAX_ITERATIONS = 40
-_GRAZING = 1e-10  # sine between line and surface below which Newton's steps are least-squares steps
-_PER_POINT = 1280  # bytes of temporaries for each point
-_SIDE = 4  # parts of a side of a cell between samples
-_SAFETY = 1.5  # margin on the sampled distance of a bent cell from the flat one of its corners
+_GRAZING = 1e-10  # sine between line and surface below which the step is a least-squares step
+_PER_POINT = 1280  # bytes of temporaries per point
+_SIDE = 4  # intervals between samples along a side of a cell
+_SAFETY = 1.5  # safety factor on the sampled distance of curved cells from flat ones
 _NEAR = 1.05
-"""Lines that pass a cell's ball by less than this part of its radius are tried: near misses."""
+"""Multiple of a cell's bounding radius within which a line passes to be a candidate."""
 
 
 def cross(tangents: Floats) -> Floats:
-    """Normal with the length of the area element: t1 x t2 in 3D, (t_y, -t_x) in 2D, (n, dim)."""
+    """Return t1 x t2 in 3D, (t_y, -t_x) in 2D, (n, dim): normals as long as the area element."""
     if tangents.shape[1] == 2:
         t = tangents[:, :, 0]
         return np.column_stack([t[:, 1], -t[:, 0]])
@@ -45,7 +45,7 @@ def _newton(
     direction: Floats,
     tolerance: float,
 ) -> tuple[Floats, Floats, Floats]:
-    """Clamped Newton on every pair at once; pairs whose xi no longer moves drop out."""
+    """Iterate all pairs at once; pairs whose xi no longer changes leave the iteration."""
     xi = chart.clamp(element, xi)
     offset = np.empty(x.shape)
     active = np.arange(len(element))
@@ -57,7 +57,7 @@ def _newton(
         rest = x[active] - position
         xi[active] = chart.clamp(e, before + newton_step(tangents, direction[active], rest))
         way = xi[active] - before
-        # Steps that end the iteration are so short that tangents tell the position after them.
+        # The last steps are so short that a linear update of the position is accurate.
         offset[active] = np.einsum("nij,nj->ni", tangents, way) - rest
         active = active[np.abs(way).max(axis=1) > 1e-3 * tolerance]
     if active.size:
@@ -67,9 +67,9 @@ def _newton(
 
 
 def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
-    """Newton's step of xi: t_1 a + t_2 b - s d = rest by Cramer's rule.
+    """Return the Newton step of xi, which solves t_1 a + t_2 b - s d = rest by Cramer's rule.
 
-    Where the line grazes the surface, the least-squares step.
+    Where the line is nearly tangent to the surface, return the least-squares step.
     """
     normal = cross(tangents)
     volume = np.einsum("ni,ni->n", normal, direction)
@@ -82,7 +82,7 @@ def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
         step = np.einsum("nij,jni->nj", tangents[:, :, ::-1], turned)
     step /= np.where(grazing, 1.0, volume)[:, None]
     if grazing.any():
-        # The direction as long as the tangents, so that neither is taken for nothing.
+        # The direction is scaled to the length of the tangents, so that rcond truncates neither.
         length = np.linalg.norm(tangents[grazing], axis=1).max(axis=1)
         along = -length[:, None, None] * direction[grazing, :, None]
         inverse = np.linalg.pinv(np.concatenate([tangents[grazing], along], axis=2), rcond=1e-8)
@@ -91,7 +91,7 @@ def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
 
 
 def near_boxes(low: Floats, high: Floats, x: Floats, reach: float) -> tuple[Ints, Ints]:
-    """Points x (m), (m, dim), and boxes that come within reach of them, one pair a row.
+    """Return pairs of points x (m), (m, dim), and boxes within ``reach`` of each other.
 
     Boxes have sides along the axes, from low to high (m), (n, dim) each.
     """
@@ -105,7 +105,7 @@ def near_boxes(low: Floats, high: Floats, x: Floats, reach: float) -> tuple[Ints
 
 
 class CellBounds:
-    """Boxes and balls that hold the cells of a surface, of which tangents gives positions."""
+    """Bounding boxes and spheres of the cells of a surface; ``tangents`` gives positions."""
 
     def __init__(
         self, cells: SurfaceCells, tangents: Callable[[Ints, Floats], tuple[Floats, Floats]]
@@ -127,15 +127,15 @@ class CellBounds:
         self.centre = corners.mean(axis=1)
         farthest = np.linalg.norm(corners - self.centre[:, None], axis=2).max(axis=1)
         self.radius = farthest + np.linalg.norm(margin, axis=1)
-        # Not on the edges: a collapsed one has no tangent to start Newton's method with.
+        # No starting points on the edges: the tangents vanish on a collapsed edge.
         far = steps.max(axis=1) if cells.tensor else steps.sum(axis=1)
         inner = (steps > 0).all(axis=1) & (far < _SIDE)
         self._starts = at.xi.reshape(*x.shape[:2], -1)[:, inner]
         self._samples = x[:, inner]
 
     def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Pairs worth trying: points, elements, and xi of the sample nearest to the line."""
-        # Room for rounding, beside a reach that may be zero.
+        """Return candidate pairs: points, elements, and xi of the sample nearest to the line."""
+        # Margin for rounding, since the reach may be zero.
         room = reach + 1e-6 * 2 * float(self.radius.max())
         point, cell = near_boxes(self._low, self._high, x, room)
         along, across = _apart(self.centre[cell] - x[point], direction[point])
@@ -149,35 +149,35 @@ class CellBounds:
 
 
 def _apart(offset: Floats, aim: Floats) -> tuple[Floats, Floats]:
-    """Parts of offsets along unit directions, and how far across, (...,) each."""
+    """Return components of offsets along unit directions, and distances across, (...,) each."""
     along = (offset * aim).sum(axis=-1)
     return along, np.linalg.norm(offset - along[..., None] * aim, axis=-1)
 
 
 class Chart(ABC):
-    """Elements of a surface as point location sees them."""
+    """Elements of a surface, with the geometry that point location needs."""
 
     @property
     @abstractmethod
     def domains(self) -> tuple[Floats, Floats]:
-        """Least and greatest coordinates xi of each element, (num_elements, dim - 1) each.
+        """Lower and upper bounds of xi of each element, (num_elements, dim - 1) each.
 
-        Elements are rectangles between them, or, where cells are no tensor products, triangles.
+        Elements are rectangles with these bounds or, if cells are not tensor products, triangles.
         """
 
     @abstractmethod
     def cells(self) -> SurfaceCells:
-        """Cells inside which the traces are smooth: parallelograms, or triangles, of xi."""
+        """Return the cells inside which traces are smooth: parallelograms or triangles of xi."""
 
     @abstractmethod
     def size(self, element: Ints) -> Floats:
-        """Local mesh size (m) of elements: the largest diameter of a cell, shape (n,)."""
+        """Return the local mesh size (m) of elements, their largest cell diameter, shape (n,)."""
 
     @abstractmethod
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
-        """Positions (m), (n, dim), and derivatives dx_i/dxi_j, (n, dim, dim - 1).
+        """Return positions (m), (n, dim), and derivatives dx_i/dxi_j, (n, dim, dim - 1).
 
-        Outside its element xi is taken by the continued polynomials.
+        Outside the element the polynomials of the element are extrapolated.
         """
 
     @property
@@ -188,11 +188,11 @@ class Chart(ABC):
     def locate(
         self, x: Floats, direction: Floats, reach: float, tolerance: float = TOLERANCE
     ) -> Location:
-        """Locate points x (m) along unit directions, (n, dim) each, within a reach (m) either way.
+        """Locate points x (m) along unit directions, (n, dim) each, up to a distance ``reach`` (m).
 
-        Of several hits the nearest along the direction wins, then that of the steepest incidence,
-        as at a corner of the surface, then the lowest element; of several misses the smallest. The
-        miss allowed, the tolerance, is relative to the local mesh size.
+        Of several hits the nearest along the direction is chosen, then the one whose normal is
+        closest to the direction, as at a corner, then the lowest element; of several misses the
+        smallest. A point is missed if its line passes farther than ``tolerance`` local mesh sizes.
         """
         n = len(x)
         at = SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, self.dim - 1)))
@@ -205,8 +205,8 @@ class Chart(ABC):
             xi, distance, miss = _newton(self, element, xi, x[point], aim, tolerance)
             relative = miss / self.size(element)
             hit = (relative <= tolerance) & (np.abs(distance) <= reach)
-            # Hits before misses; hits by distance, then by 1 - cosine between line and normal,
-            # rounded so that one edge seen from two elements ties, and elements that meet smoothly.
+            # Order: hits before misses; hits by distance, then by 1 - cosine of line and normal,
+            # rounded so that elements tie at a shared edge and where they join smoothly.
             rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
             several = np.flatnonzero(hit & (np.bincount(point, hit)[point] > 1))
             flat = np.zeros(len(hit))
@@ -227,16 +227,16 @@ class Chart(ABC):
         return out
 
     def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Pairs worth trying: points, elements, starting xi; every true hit within reach is one."""
+        """Return candidate pairs: points, elements, initial xi; they include every hit."""
         return self.bounds.candidates(x, direction, reach)
 
     @cached_property
     def bounds(self) -> CellBounds:
-        """Boxes and balls of its cells."""
+        """Bounding boxes and spheres of the cells."""
         return CellBounds(self.cells(), self.tangents)
 
     def clamp(self, element: Ints, xi: Floats) -> Floats:
-        """Nearest reference coordinates inside the element, (n, dim - 1)."""
+        """Return the reference coordinates in the element nearest to xi, (n, dim - 1)."""
         if self.cells().tensor:
             low, high = self.domains
             return np.clip(xi, low[element], high[element])
@@ -246,7 +246,7 @@ class Chart(ABC):
         return np.where(inside.sum(axis=1, keepdims=True) > 1, slanted, inside)
 
     def on_edge(self, element: Ints, xi: Floats, tolerance: float) -> NDArray[np.bool_]:
-        """True where xi lies on the boundary of its element, within a part of its range."""
+        """Return whether xi is within ``tolerance``, relative to its range, of the cell's edges."""
         low, high = (ends[element] for ends in self.domains)
         t = (xi - low) / (high - low)
         far = 1 - (t.max(axis=1) if self.cells().tensor else t.sum(axis=1))

@@ -1,11 +1,11 @@
 """Linear elastic solids: isotropic, orthotropic, fully anisotropic.
 
-In the axes of a material, which may turn from point to point,
+In the axes of a material, which may vary from point to point,
 
     sigma = R S R^T,    S_pq = C_pqrs (R^T grad u R)_rs
 
-with the tensor C in the axes of the material, the columns of R(x). Matrices of constants have the
-order 11, 22, 33, 23, 13, 12 of Voigt (Ting, Anisotropic Elasticity, 1996, sec. 2.3).
+where C is the elasticity tensor in the axes of the material, which are the columns of R(x).
+Matrices use Voigt's order 11, 22, 33, 23, 13, 12 (Ting, Anisotropic Elasticity, 1996, sec. 2.3).
 """
 
 from abc import ABC, abstractmethod
@@ -22,9 +22,9 @@ from cea.expressions import Expression
 
 _VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 _PARALLEL = 1e-6
-"""Sine of the angle below which two directions make no axes."""
+"""Sine of the angle below which two directions are treated as parallel."""
 _SHEAR = 1e-9
-"""Shear out of the plane that counts as none, relative to the largest stress."""
+"""Out-of-plane shear stress, relative to the largest stress, below which it is treated as zero."""
 
 Direction = tuple[float | str, float | str, float | str]
 """Components: numbers, or expressions in the coordinates."""
@@ -37,10 +37,10 @@ class Axes:
     Parameters
     ----------
     first, second
-        Directions of axes 1 and 2; what of the second lies along the first is taken away. Axis 3 is
-        normal to both, right-handed.
+        Directions of axes 1 and 2; the component of the second along the first is removed. Axis 3
+        is normal to both, right-handed.
     cylindrical_about
-        Direction of axis 3, given in the place of both: axis 1 is radial, 2 circumferential.
+        Direction of axis 3, instead of the other two: axis 1 is radial, 2 circumferential.
     origin
         A point of that axis (m).
     """
@@ -56,12 +56,12 @@ class Axes:
 
     @property
     def uniform(self) -> bool:
-        """Whether they are the same everywhere."""
+        """Whether the axes are the same everywhere."""
         given = (*(self.first or ("",)), *(self.second or ("",)))
         return not any(isinstance(each, str) for each in given)
 
     def at(self, x: Floats) -> Floats:
-        """R at positions x (m), shape (dim, n): the axes as columns, (3, 3, n)."""
+        """Return R at positions x (m), shape (dim, n): the axes as columns, (3, 3, n)."""
         if self.cylindrical_about is None:
             one, other = (_vectors(each, x) for each in (self.first, self.second))
             e1 = _unit(one, one)
@@ -76,22 +76,22 @@ class Axes:
 
 @dataclass(frozen=True, eq=False)
 class Elasticity:
-    """Stress of a displacement gradient at any point of a body."""
+    """Linear elastic law: stress of a displacement gradient at any point of a body."""
 
     matrix: Floats  # constants in the axes of the material (N/m^2), symmetric, shape (6, 6)
-    axes: Axes | None = None  # None for those of space
+    axes: Axes | None = None  # None: the coordinate axes
 
     @property
     def varies(self) -> bool:
-        """Whether the tensor is not the same everywhere."""
+        """Whether the elasticity tensor varies in space."""
         return self.axes is not None and not self.axes.uniform
 
     def stress(self, gradient: Floats, x: Floats) -> Floats:
-        """Cauchy stress (N/m^2), shape (dim, dim, n); in the plane that of plane strain.
+        """Return the Cauchy stress (N/m^2), shape (dim, dim, n); plane strain in 2D.
 
-        With ``gradient[i, j] = d u_i / d x_j``, shape (dim, dim, n), at positions x (m), shape
-        (dim, n), which are not looked at where the tensor is uniform. Refused where there are no
-        axes at a point.
+        The gradient is ``gradient[i, j] = d u_i / d x_j``, shape (dim, dim, n), at positions x (m),
+        shape (dim, n), which are ignored if the tensor is uniform. Raise :class:`InputError` if the
+        axes are undefined at a point.
         """
         dim, tensor = len(gradient), self.matrix[np.ix_(_VOIGT.ravel(), _VOIGT.ravel())]
         if not self.varies:
@@ -107,7 +107,7 @@ class Elasticity:
         return np.einsum("ipn,pqn,jqn->ijn", R, own, R, optimize=True)
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse axes that do not exist, and in the plane those that shear out of it."""
+        """Raise InputError for undefined axes and, in 2D, for shear out of the plane."""
         somewhere = np.repeat(np.sqrt([[2.0], [3.0], [5.0]])[:dim], 4, axis=1)  # on no axis
         try:
             stress = self.stress(np.eye(9)[:, [0, 1, 3, 4]].reshape(3, 3, 4), somewhere)
@@ -119,20 +119,20 @@ class Elasticity:
 
 
 def _vectors(components: Direction | None, x: Floats) -> Floats:
-    """Vectors at positions x (dim, n), (3, n)."""
+    """Return vectors at positions x (dim, n), shape (3, n)."""
     return np.stack([Expression(str(each))(x.T) for each in components or ()])
 
 
 def _unit(vectors: Floats, whole: Floats) -> Floats:
-    """Vectors of length one, (3, n); refused where hardly anything is left of the whole."""
+    """Return unit vectors, (3, n); InputError if a vector is tiny relative to ``whole``."""
     length = np.linalg.norm(vectors, axis=0)
     if not (length > _PARALLEL * np.linalg.norm(whole, axis=0)).all():
-        raise InputError("axes", "no direction somewhere", "directions that differ at every point")
+        raise InputError("axes", "undefined at some point", "directions that differ at every point")
     return vectors / length
 
 
 class Material(ABC):
-    """What all solids have; ``rho`` (kg/m^3) is None where no mass is needed (static scenes)."""
+    """Base of all solids; ``rho`` (kg/m^3) may be None if no mass is needed (static scenes)."""
 
     rho: float | None
     axes: Axes | None = None
@@ -140,15 +140,15 @@ class Material(ABC):
     @property
     @abstractmethod
     def constants(self) -> dict[str, float]:
-        """Constants that are parameters of a pencil, by the paths of their fields."""
+        """Constants that are parameters of the matrix pencil, by the paths of their fields."""
 
     @abstractmethod
     def matrix_of(self, constants: Mapping[str, Any]) -> Any:
-        """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
+        """Return the elasticity matrix (N/m^2), (6, 6), for given, perhaps complex, constants."""
 
     @property
     def entries(self) -> dict[tuple[int, int], tuple[str, ...]]:
-        """Constants that each entry of the matrix depends on, of a solid that has several."""
+        """Constants that each entry of the elasticity matrix depends on; {} if isotropic."""
         return {}
 
     def __post_init__(self) -> None:
@@ -156,21 +156,21 @@ class Material(ABC):
         require(given, "material.rho", self.rho, "a positive number (kg/m^3)")
 
     def density(self, field: str) -> float:
-        """Density (kg/m^3), which is needed here; refused where there is none."""
+        """Return the density (kg/m^3); raise InputError if it is None."""
         if self.rho is None:
             raise InputError(f"{field}.rho", None, "a density (kg/m^3) is needed for eigenvalues")
         return self.rho
 
     @cached_property
     def elasticity(self) -> Elasticity:
-        """Stress of a displacement gradient."""
+        """Elastic law in the axes of the material."""
         return Elasticity(self.matrix_of(self.constants), self.axes)
 
     @cached_property
     def means(self) -> tuple[float, float, float]:
-        """Young's modulus, shear modulus (N/m^2) and Poisson's ratio of grains in all directions.
+        """Young's modulus, shear modulus (N/m^2) and Poisson's ratio of the isotropic average.
 
-        Reuss's means (Hill, Proc. Phys. Soc. A 65 (1952) 349); of isotropic solids their own.
+        Reuss average over all orientations (Hill, Proc. Phys. Soc. A 65 (1952) 349).
         """
         s = np.linalg.inv(self.elasticity.matrix)
         normal, cross, shear = np.trace(s[:3, :3]), s[0, 1] + s[0, 2] + s[1, 2], np.trace(s[3:, 3:])
@@ -216,7 +216,7 @@ class IsotropicMaterial(Material):
         return {"E": self.E}
 
     def matrix_of(self, constants: Mapping[str, Any]) -> Any:
-        """Constants (N/m^2), (6, 6), at another modulus."""
+        """Return the elasticity matrix (N/m^2), (6, 6), for a given Young's modulus."""
         lam, mu = self.lame
         matrix = mu * np.diag([2.0, 2, 2, 1, 1, 1])
         matrix[:3, :3] += lam
@@ -229,7 +229,7 @@ class IsotropicMaterial(Material):
 
 
 class SolidOfConstants(Material):
-    """A solid of several constants, of which the matrix has to be positive definite."""
+    """Solid with several constants; its elasticity matrix must be positive definite."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -250,22 +250,22 @@ class SolidOfConstants(Material):
 class OrthotropicMaterial(SolidOfConstants):
     """Solid with three planes of symmetry, or isotropic about its axis 3.
 
-    The compliance in its axes (Ting, Anisotropic Elasticity, 1996, sec. 2.6):
+    The compliance in the axes of the material (Ting, Anisotropic Elasticity, 1996, sec. 2.6):
     eps_ii = sigma_ii / E_i - sum_j nu_ji / E_j sigma_jj, nu_ij / E_i = nu_ji / E_j.
 
     Parameters
     ----------
     E_1, E_2, E_3
-        Young's moduli along its axes (N/m^2).
+        Young's moduli along the axes of the material (N/m^2).
     nu_12, nu_13, nu_23
         Poisson's ratios: nu_ij is the contraction along j under a tension along i.
     G_12, G_13, G_23
-        Shear moduli (N/m^2). Where E_2, nu_23, G_12 and G_23 are left out, all four, the solid is
-        transversely isotropic: every direction of its plane 1-2 is like axis 1.
+        Shear moduli (N/m^2). If E_2, nu_23, G_12 and G_23 are all omitted, the solid is
+        transversely isotropic: every direction in the plane 1-2 is equivalent to axis 1.
     rho
         Density (kg/m^3), positive; None where no mass is needed (static scenes).
     axes
-        Axes of the material; those of space if left out.
+        Axes of the material; the coordinate axes if omitted.
     """
 
     kind: Literal["orthotropic"]
@@ -283,18 +283,18 @@ class OrthotropicMaterial(SolidOfConstants):
 
     @property
     def constants(self) -> dict[str, float]:
-        """Its constants by the names of their fields: nine, or five."""
+        """Given constants by field name: nine, or five."""
         given = {name: value for name, value in vars(self).items() if name[0] in "EnG"}
         return {name: value for name, value in given.items() if value is not None}
 
     @property
     def entries(self) -> dict[tuple[int, int], tuple[str, ...]]:
-        """All constants for each of the nine entries."""
+        """All constants, for each of the nine entries."""
         places = ((i, j) for i in range(6) for j in range(i, 6) if i == j or j < 3)
         return dict.fromkeys(places, tuple(self.constants))
 
     def matrix_of(self, constants: Mapping[str, Any]) -> Any:
-        """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
+        """Return the elasticity matrix (N/m^2), (6, 6), for given, perhaps complex, constants."""
         c = dict(constants)
         if len(c) == 5:
             E, nu = c["E_1"], c["nu_12"]
@@ -307,7 +307,7 @@ class OrthotropicMaterial(SolidOfConstants):
         return np.linalg.inv(inverse)
 
     def __post_init__(self) -> None:
-        allowed = "nine constants; E_1, E_3, nu_12, nu_13, G_13 alone are isotropic about axis 3"
+        allowed = "nine constants, or E_1, E_3, nu_12, nu_13, G_13 for isotropy about axis 3"
         known = sorted(self.constants)
         require(len(known) in (5, 9), "material.constants", known, allowed)
         super().__post_init__()
@@ -315,17 +315,17 @@ class OrthotropicMaterial(SolidOfConstants):
 
 @dataclass(frozen=True)
 class AnisotropicMaterial(SolidOfConstants):
-    """Solid without any symmetry.
+    """Solid without material symmetry.
 
     Parameters
     ----------
     C
-        Constants (N/m^2) by name: ``C_11`` to ``C_66``, the first number not above the second, in
-        the order 11, 22, 33, 23, 13, 12. Those left out are zero.
+        Constants (N/m^2) by name, ``C_11`` to ``C_66``, the first index not above the second, in
+        the order 11, 22, 33, 23, 13, 12. Omitted constants are zero.
     rho
         Density (kg/m^3), positive; None where no mass is needed (static scenes).
     axes
-        Axes of the material; those of space if left out.
+        Axes of the material; the coordinate axes if omitted.
     """
 
     kind: Literal["anisotropic"]
@@ -335,16 +335,16 @@ class AnisotropicMaterial(SolidOfConstants):
 
     @property
     def constants(self) -> dict[str, float]:
-        """Its constants by the paths of their fields."""
+        """Given constants by the paths of their fields."""
         return {f"C.{name}": value for name, value in self.C.items()}
 
     @property
     def entries(self) -> dict[tuple[int, int], tuple[str, ...]]:
-        """A constant for each entry that is given."""
+        """The constant of each given entry."""
         return {place: (f"C.{name}",) for place, name in _ENTRIES.items() if name in self.C}
 
     def matrix_of(self, constants: Mapping[str, Any]) -> Any:
-        """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
+        """Return the elasticity matrix (N/m^2), (6, 6), for given, perhaps complex, constants."""
         matrix = np.zeros((6, 6), dtype=np.result_type(0.0, *constants.values()))
         for (i, j), name in _ENTRIES.items():
             matrix[i, j] = matrix[j, i] = constants.get(f"C.{name}", 0.0)

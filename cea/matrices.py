@@ -1,4 +1,4 @@
-"""Small operations on distributed PETSc matrices that contact and driver share."""
+"""Small operations on distributed PETSc matrices, used by contact and by the eigensolver."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -11,13 +11,13 @@ from cea.arrays import Floats
 from cea.petsc import PETSc
 
 type Rows = tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]], Floats]
-"""Where each row starts and the last ends, columns, values."""
+"""Matrix in CSR form: row pointers, column indices, values."""
 
 
 def distributed(
     rows: csr_array, columns: tuple[int, int], comm: Any, *, shared: bool = False
 ) -> Any:
-    """PETSc AIJ matrix of the rows of every rank, one rank's after another's."""
+    """Return a PETSc AIJ matrix of the rows of all ranks, in the order of the ranks."""
     size: Any = ((rows.shape[0], PETSc.DETERMINE), columns)
     starts, indices = (
         part.astype(PETSc.IntType, copy=False) for part in (rows.indptr, rows.indices)
@@ -29,7 +29,7 @@ def distributed(
 
 
 def from_blocks(inner: Rows, outer: Rows, comm: Any, *, block_size: int | None = None) -> Any:
-    """Square PETSc AIJ matrix of the rows of every rank; their memory is shared."""
+    """Return a square PETSc AIJ matrix that shares the memory of the rows of each rank."""
     rows = len(inner[0]) - 1
     parts = tuple((starts.astype(PETSc.IntType), *rest) for starts, *rest in (inner, outer))
     csr: Any = parts[0] if comm.size == 1 else parts
@@ -38,24 +38,24 @@ def from_blocks(inner: Rows, outer: Rows, comm: Any, *, block_size: int | None =
 
 
 def local_part(matrix: Any) -> csr_array:
-    """The rows of this rank of a PETSc AIJ matrix, all columns."""
+    """Return the rows of a PETSc AIJ matrix on this rank, with all columns."""
     start, stop = matrix.getOwnershipRange()
     indptr, indices, values = matrix.getValuesCSR()
     return csr_array((values, indices, indptr), shape=(stop - start, matrix.getSize()[1]))
 
 
 def one_below_the_other(blocks: Sequence[Any]) -> Any:
-    """Matrices of equal columns as one, PETSc AIJ: on each rank its rows of each in turn."""
+    """Stack matrices vertically, PETSc AIJ; each rank holds its rows of each block in turn."""
     return PETSc.Mat().createNest([[block] for block in blocks]).convert("aij")
 
 
 def side_by_side(blocks: Sequence[Any]) -> Any:
-    """Matrices of equal rows as one, PETSc AIJ: on each rank its columns of each in turn."""
+    """Stack matrices horizontally, PETSc AIJ; each rank owns its columns of each block in turn."""
     return PETSc.Mat().createNest([list(blocks)]).convert("aij")
 
 
 def applied(matrix: Any, values: Floats, *, transposed: bool = False) -> Floats:
-    """A matrix, or its transpose, times a vector, both by the rows of this rank."""
+    """Multiply a matrix, or its transpose, by a vector; both vectors are the rows of this rank."""
     x, y = matrix.createVecs()
     if transposed:
         x, y = y, x
@@ -67,7 +67,7 @@ def applied(matrix: Any, values: Floats, *, transposed: bool = False) -> Floats:
 
 
 def diagonal_of(matrix: Any) -> Floats:
-    """Diagonal of a matrix, the rows of this rank."""
+    """Return the diagonal of a matrix, the rows of this rank."""
     vector = matrix.getDiagonal()
     values = vector.array_r.copy()
     destroy(vector)
@@ -75,7 +75,7 @@ def diagonal_of(matrix: Any) -> Floats:
 
 
 def product(left: Any, right: Any, factor: Floats) -> Any:
-    """L^T diag(factor) R; the factors are those of the rows of this rank."""
+    """Return L^T diag(factor) R; ``factor`` has the rows of this rank."""
     scaled = _with_rows_scaled(right, factor)
     result = _alone(left.transposeMatMult(scaled))
     destroy(scaled)
@@ -91,15 +91,15 @@ def _with_rows_scaled(matrix: Any, factor: Floats) -> Any:
 
 
 def times(left: Any, right: Any) -> Any:
-    """L R."""
+    """Return L R."""
     return _alone(left.matMult(right))
 
 
 def symmetric_product(gap: Any, weight: Floats) -> Any:
-    """G^T D G as (sqrt(D) G)^T (sqrt(D) G): symmetric to the last bit.
+    """Return G^T D G as (sqrt(D) G)^T (sqrt(D) G), symmetric to the last bit.
 
-    On several ranks an entry and its mirror image may add the same parts in another order; their
-    mean does not.
+    On several ranks an entry and its transpose may sum the same terms in different order; the mean
+    of both is symmetric.
     """
     scaled = _with_rows_scaled(gap, np.sqrt(weight))
     result = _alone(scaled.transposeMatMult(scaled))
@@ -111,25 +111,25 @@ def symmetric_product(gap: Any, weight: Floats) -> Any:
 
 
 def _alone(product: Any) -> Any:
-    """A product without its factors and their transposes, which PETSc keeps beside it."""
+    """Copy a product without the references to its factors and transposes that PETSc keeps."""
     result = product.copy()
     destroy(product)
     return result
 
 
 def symmetrised(matrix: Any) -> Any:
-    """Mean of a PETSc AIJ matrix and its transpose, in place: a + b = b + a to the last bit."""
+    """Replace a PETSc AIJ matrix by the mean with its transpose, symmetric to the last bit."""
     return _mean_with_transpose(matrix, 1.0)
 
 
 def antisymmetrised(matrix: Any) -> Any:
-    """Half of a PETSc AIJ matrix less its transpose, in place: skew to the last bit."""
+    """Replace a PETSc AIJ matrix A by (A - A^T) / 2, skew to the last bit."""
     return _mean_with_transpose(matrix, -1.0)
 
 
 def _mean_with_transpose(matrix: Any, sign: float) -> Any:
     transpose = matrix.transpose(PETSc.Mat())
-    # An entry of rounding may have been kept and its mirror image, zero, dropped.
+    # An entry may be stored while its transpose, an exact zero, was dropped.
     matrix.axpy(sign, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     matrix.scale(0.5)
     transpose.destroy()
@@ -137,7 +137,7 @@ def _mean_with_transpose(matrix: Any, sign: float) -> Any:
 
 
 def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
-    """Sum of factors times matrices, a new one."""
+    """Return a new matrix, the sum of factors times matrices."""
     factor, first = parts[0]
     result = first.copy()
     if factor != 1:
@@ -148,21 +148,21 @@ def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
 
 
 def absolute(matrix: Any) -> Any:
-    """Absolute values of the entries of a PETSc AIJ matrix, a new one."""
+    """Return the absolute values of the entries of a PETSc AIJ matrix, as a new matrix."""
     rows = local_part(matrix)
     np.abs(rows.data, out=rows.data)
     return distributed(rows, matrix.getSizes()[1], matrix.comm, shared=True)
 
 
 def squared(matrix: Any) -> Any:
-    """Squares of the entries of a PETSc AIJ matrix, a new one."""
+    """Return the squares of the entries of a PETSc AIJ matrix, as a new matrix."""
     part = local_part(matrix)
     part.data = part.data**2
     return distributed(part, matrix.getSizes()[1], matrix.comm)
 
 
 def block_diagonal(blocks: Sequence[Any]) -> Any:
-    """Nest of matrices along the diagonal; convert it to AIJ to compute with it."""
+    """Return a block diagonal nest of matrices; convert it to AIJ before computing with it."""
     n = len(blocks)
     rows: list[list[Any]] = [[None] * n for _ in blocks]
     for i, block in enumerate(blocks):
@@ -171,7 +171,7 @@ def block_diagonal(blocks: Sequence[Any]) -> Any:
 
 
 def zeros(rows: tuple[int, int], columns: tuple[int, int], comm: Any) -> Any:
-    """Matrix of zeros, PETSc AIJ, with rows and columns of this rank and of all."""
+    """Return a zero PETSc AIJ matrix; ``rows`` and ``columns`` are local and global sizes."""
     matrix = PETSc.Mat().createAIJ((rows, columns), nnz=0, comm=comm)
     matrix.setUp()
     matrix.assemble()
@@ -179,19 +179,19 @@ def zeros(rows: tuple[int, int], columns: tuple[int, int], comm: Any) -> Any:
 
 
 def identity(rows: int, comm: Any) -> Any:
-    """Identity, PETSc AIJ, with so many rows on this rank."""
+    """Return an identity, PETSc AIJ, with ``rows`` rows on this rank."""
     layout: Any = ((rows, None), (rows, None))
     return PETSc.Mat().createConstantDiagonal(layout, 1.0, comm=comm).convert("aij")
 
 
 def dense(columns: NDArray[Any], layout: tuple[int, int], comm: Any) -> Any:
-    """PETSc dense matrix of columns, of which each rank has its rows; their memory is shared."""
+    """Return a PETSc dense matrix that shares the memory of the rows of each rank."""
     size: Any = (layout, (PETSc.DECIDE, columns.shape[1]))
     array: Any = np.asfortranarray(columns)
     return PETSc.Mat().createDense(size, array=array, comm=comm)
 
 
 def destroy(*objects: Any) -> None:
-    """Free PETSc objects now: on several ranks Python's collector only puts them aside."""
+    """Free PETSc objects immediately; on several ranks garbage collection only defers it."""
     for each in objects:
         each.destroy()

@@ -1,4 +1,4 @@
-"""Mesh as plain arrays: what any source of geometry hands to the finite element backend."""
+"""Mesh as plain arrays, the input of the finite element backend from any source of geometry."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from cea.errors import InputError, require
 Cell = Literal["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
 
 MAX_ORDER = 4
-"""Highest order of a mesh."""
+"""Highest polynomial order of the geometry."""
 
 DIMENSION: dict[Cell, int] = {
     "triangle": 2,
@@ -26,24 +26,24 @@ DIMENSION: dict[Cell, int] = {
 SIMPLICES: tuple[Cell, ...] = ("triangle", "tetrahedron")
 """Cells that are simplices; the others are boxes."""
 
-_SAME = 1e-6  # reference nodes nearer than this are one
+_SAME = 1e-6  # distance of reference nodes below which they are treated as equal
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Lagrange mesh of one kind of cell, with named parts of its boundary.
 
-    Nodes of a cell are those of a lattice on the reference cell, (i, j, k)/order with
+    Nodes of a cell are the points of a lattice on the reference cell, (i, j, k)/order with
+    0 <= i, j, k <= order in boxes (squares in 2D) and also i + j + k <= order in simplices,
     0 <= i, j, k <= order in boxes (squares in the plane), i + j + k <= order in simplices besides,
-    and listed in C order: the last index runs fastest. So
+    listed in C order: the last index runs fastest. So
 
     - linear triangles and tetrahedra list their corners in any order;
-    - of corners that go around a linear quadrilateral take ``cells[:, [0, 3, 1, 2]]``;
-    - of corners that go around the bottom, then the top of a linear hexahedron take
+    - corners listed around a linear quadrilateral are reordered by ``cells[:, [0, 3, 1, 2]]``;
+    - corners listed around the bottom, then the top of a linear hexahedron are reordered by
       ``cells[:, [0, 4, 3, 7, 1, 5, 2, 6]]``.
 
-    :func:`node_order` finds such an order for any cell and program. Cells of either handedness are
-    taken.
+    :func:`node_order` finds this order for any cell and program. Cells may be left-handed.
 
     Parameters
     ----------
@@ -52,19 +52,19 @@ class Mesh:
     order
         Order of the geometry, 1 to 4: each edge has ``order + 1`` nodes.
     points
-        Positions of the nodes (m), shape (n_points, 2) or (n_points, 3); some may be of no cell.
+        Positions of the nodes (m), shape (n_points, 2) or (n_points, 3); some may be unused.
     cells
-        Nodes of each cell, as rows of ``points`` counted from 0, shape (n_cells, n_nodes).
+        Nodes of each cell, as row numbers of ``points`` from 0, shape (n_cells, n_nodes).
     surfaces
-        Facets (edges in the plane) of each named surface by all their nodes, in any order, shape
-        (n_facets, n_facet_nodes). A facet lies on the boundary of the mesh and belongs to one
-        surface at most; the rest of the boundary needs no name.
+        Facets (edges in 2D) of each named surface, given by all their nodes in any order, shape
+        (n_facets, n_facet_nodes). A facet lies on the boundary of the mesh and belongs to at most
+        one surface; the rest of the boundary needs no name.
 
     Raises
     ------
     InputError
-        When arrays have wrong shapes or numbers, or a named facet is none of exactly one cell, or
-        is named twice.
+        If arrays have wrong shapes or values, or a named facet is not a facet of exactly one cell,
+        or is named twice.
     """
 
     cell: Cell
@@ -96,11 +96,11 @@ class Mesh:
 
     @property
     def is_simplex(self) -> bool:
-        """Whether its cells are triangles or tetrahedra."""
+        """Whether the cells are triangles or tetrahedra."""
         return self.cell in SIMPLICES
 
     def without_loose_points(self) -> "Mesh":
-        """The mesh without points of no cell, the others in their order."""
+        """Return the mesh without points that belong to no cell; the others keep their order."""
         used = np.zeros(len(self.points), dtype=bool)
         used[self.cells] = True
         if used.all():
@@ -110,7 +110,7 @@ class Mesh:
         return Mesh(self.cell, self.order, self.points[used], number[self.cells], surfaces)
 
     def _check_cells(self) -> None:
-        """Refuse cells with a node twice, and cells that are there twice."""
+        """Raise InputError if a cell contains a node twice or a cell is listed twice."""
         ordered = np.sort(self.cells, axis=1)
         twice = (np.diff(ordered, axis=1) == 0).any(axis=1)
         worst = self.cells[np.argmax(twice)].tolist()
@@ -121,7 +121,7 @@ class Mesh:
         require(not alike.any(), "cells", worst, "each cell once")
 
     def _numbers(self, field: str, nodes: ArrayLike, per_row: int) -> Ints:
-        """Node numbers as an array, checked."""
+        """Return checked node numbers as an array."""
         array = numbers(nodes, field, "rows of whole numbers, equally long")
         fits = array.ndim == 2 and array.shape[1] == per_row and len(array) > 0
         allowed = f"shape (n, {per_row}), n > 0, for cell = {self.cell!r} of order {self.order}"
@@ -132,7 +132,7 @@ class Mesh:
         return array.astype(np.int64, copy=False)
 
     def _facets_of_cells(self) -> dict[str, Ints]:
-        """Named facets with their nodes as their cells list them, checked."""
+        """Return the checked named facets, their nodes in the order of the cells."""
         if not self.surfaces:
             return {}
         per_facet = len(lattice(self.dim - 1, self.order, self.is_simplex))
@@ -144,7 +144,7 @@ class Mesh:
         on = np.zeros(len(self.points), dtype=bool)
         on[named] = True
         facets = (self.cells[:, facet] for facet in facet_nodes(self.cell, self.order))
-        # Facets of cells whose nodes are all nodes of some named ones.
+        # Facets of cells all of whose nodes belong to named facets.
         found = np.concatenate([nodes[on[nodes].all(axis=1)] for nodes in facets])
         group = _same_rows(np.sort(np.concatenate([named, found]), axis=1))
         own, others = group[: len(named)], group[len(named) :]
@@ -164,18 +164,18 @@ class Mesh:
 
 
 def lattice(dim: int, order: int, simplex: bool) -> Ints:
-    """Lattice points of a box or a simplex in C order, (n_nodes, dim), from 0 to ``order``."""
+    """Return lattice points of a box or simplex in C order, from 0 to ``order``, (n_nodes, dim)."""
     points = np.indices((order + 1,) * dim).reshape(dim, -1).T
     return points[points.sum(axis=1) <= order] if simplex else points
 
 
 def reference_nodes(cell: Cell, order: int) -> Floats:
-    """Nodes of the reference cell in the order of :class:`Mesh`, (n_nodes, dim), from 0 to 1."""
+    """Return reference nodes, from 0 to 1, in the order of :class:`Mesh`, (n_nodes, dim)."""
     return lattice(DIMENSION[cell], order, cell in SIMPLICES) / order
 
 
 def facet_nodes(cell: Cell, order: int) -> list[Ints]:
-    """Nodes of each facet of a cell among those of the cell, in C order of the facet's lattice."""
+    """Return the cell's node numbers on each facet, in C order of the facet's lattice."""
     places = lattice(DIMENSION[cell], order, cell in SIMPLICES)
     if cell in SIMPLICES:
         sides = [*(places.T == 0), places.sum(axis=1) == order]
@@ -185,16 +185,16 @@ def facet_nodes(cell: Cell, order: int) -> list[Ints]:
 
 
 def node_order(cell: Cell, order: int, nodes: ArrayLike) -> Ints:
-    """Order that turns another program's list of the nodes of a cell into that of :class:`Mesh`.
+    """Return ``order`` such that ``cells[:, order]`` has the node order of :class:`Mesh`.
 
-    Of nodes of the reference cell, from 0 to 1, in the order of the other program, (n_nodes, dim):
-    ``cells[:, numbers]`` are then in that of :class:`Mesh`.
+    ``nodes`` are the nodes of the reference cell, from 0 to 1, in the order of another program,
+    shape (n_nodes, dim).
     """
     return matching_nodes(reference_nodes(cell, order), np.asarray(nodes, dtype=float))
 
 
 def matching_nodes(wanted: Floats, nodes: Floats) -> Ints:
-    """Number among ``nodes`` of each wanted node, (n_nodes,); both (n_nodes, dim)."""
+    """Return the index in ``nodes`` of each wanted node, (n_nodes,); both are (n_nodes, dim)."""
     require(nodes.shape == wanted.shape, "nodes", nodes.shape, f"shape {wanted.shape}")
     apart = np.linalg.norm(wanted[:, None] - nodes, axis=2)
     require(
@@ -207,5 +207,5 @@ def matching_nodes(wanted: Floats, nodes: Floats) -> Ints:
 
 
 def _same_rows(rows: Ints) -> Ints:
-    """Number of each row, equal for equal rows, (n,)."""
+    """Return a number for each row, (n,), the same for equal rows."""
     return np.unique(rows, axis=0, return_inverse=True)[1].ravel()

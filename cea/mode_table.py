@@ -1,6 +1,6 @@
-"""Tables of modes: rows for programs, text for a terminal or a notebook.
+"""Tables of modes: rows for programs, and text for a terminal or a notebook.
 
-Modes bear numbers from 1 wherever one is told.
+Modes are numbered from 1 in all output.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from cea.errors import InputError
 
 MARKS: dict[str, str] = {"unstable": "▲", "grows slowly": "△", "undecided": "◆"}
-"""What stands beside a mode, or a run, by its word; nothing beside others."""
+"""Symbol shown beside a mode, or a run, by its verdict; other verdicts have none."""
 SIGNS = (
     "▲ unstable, △ grows slowly, ◆ undecided; growth rate Re lambda, damping ratio "
-    "-Re lambda / |lambda|; errors are algebraic (residual and rounding): cea converge tells those "
-    "of the mesh"
+    "-Re lambda / |lambda|; errors are algebraic (residual and rounding): cea converge "
+    "estimates those of the mesh"
 )
-"""Marks and signs in words."""
+"""Legend of symbols and columns."""
 TITLES = {
     "mode": "mode",
     "frequency": "frequency (Hz)",
@@ -31,30 +31,30 @@ TITLES = {
     "residual": "residual",
     "condition": "condition",
 }
-"""Headings of what is shown of each mode, in order."""
+"""Headings of the columns of the printed table, in order."""
 
-_DIGITS = 0.01  # growth rate (1/s) below which three digits after the point show too little
-_RATIO = 1e-3  # damping ratio below which four do
+_DIGITS = 0.01  # growth rate (1/s) below which three decimals are too few
+_RATIO = 1e-3  # damping ratio below which four decimals are too few
 _FEWEST, _MOST = 3, 9
-"""Digits after the point of frequencies (Hz)."""
+"""Smallest and largest number of decimals of frequencies (Hz)."""
 
 
 class ModeTable(list[dict[str, Any]]):
-    """Rows of modes, each a dictionary; a list that pandas takes, and that shows itself.
+    """List of modes, each a dictionary; accepted by pandas, and printed as a table.
 
-    Rows have ``mode`` (number from 1), ``frequency`` (Hz), ``growth_rate`` (1/s), ``damping_ratio``
-    (None of rigid modes), ``verdict``, ``unstable``, ``rigid``, ``uncertainty`` (1/s),
+    Keys are ``mode`` (number from 1), ``frequency`` (Hz), ``growth_rate`` (1/s), ``damping_ratio``
+    (None for rigid body modes), ``verdict``, ``unstable``, ``rigid``, ``uncertainty`` (1/s),
     ``residual``, ``condition``.
     """
 
     def column(self, name: str) -> NDArray[Any]:
-        """One field of every row, shape (n,); NaN where a number is None."""
+        """Return one column, shape (n,); None becomes NaN."""
         if self and name not in self[0]:
             raise InputError("name", name, f"one of {', '.join(self[0])}")
         return np.array([np.nan if row[name] is None else row[name] for row in self])
 
     def to_pandas(self) -> Any:
-        """A ``pandas.DataFrame`` whose index is the number of the mode."""
+        """Return a ``pandas.DataFrame`` indexed by the number of the mode."""
         return import_module("pandas").DataFrame.from_records(list(self), index="mode")
 
     def __repr__(self) -> str:
@@ -62,7 +62,7 @@ class ModeTable(list[dict[str, Any]]):
 
 
 def shown_cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """Text of what is shown of each mode, by the names of :data:`TITLES`."""
+    """Return the printed text of each mode by column, with the keys of :data:`TITLES`."""
     places = _places(max((row["frequency"] for row in rows), default=0.0))
     return [
         {
@@ -80,9 +80,9 @@ def shown_cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
 
 
 def _signed(number: float | None, places: int, least: float) -> str:
-    """A number with so many digits after the point, a dash for none.
+    """Return a signed number with ``places`` decimals, or "-" for None.
 
-    One below the least by its digits, for a small growth rate decides as a large one does.
+    Below ``least`` use scientific notation, since the sign of a small growth rate matters.
     """
     if number is None:
         return "-"
@@ -91,7 +91,7 @@ def _signed(number: float | None, places: int, least: float) -> str:
 
 
 def aligned(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Lines of a table of modes: its headings, and a line for each mode with its mark."""
+    """Return the lines of a table of modes: headings, and one line per mode with its symbol."""
     cells = [list(TITLES.values()), *(list(row.values()) for row in shown_cells(rows))]
     widths = [max(len(line[i]) for line in cells) for i in range(len(TITLES))]
     marks = [" ", *(MARKS.get(row["verdict"], " ") for row in rows)]
@@ -102,7 +102,7 @@ def aligned(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _places(highest: float) -> int:
-    """Digits after the point that give the highest frequency (Hz) six in all, and at least 3."""
+    """Return the decimals that show the highest frequency (Hz) with six digits; at least three."""
     if not highest > 0:
         return _FEWEST
     return min(max(5 - floor(log10(highest)), _FEWEST), _MOST)

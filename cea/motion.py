@@ -1,35 +1,34 @@
-"""Steady rotation of an axisymmetric body, seen from the frame that does not rotate, and damping.
+"""Steady rotation of an axisymmetric body in the non-rotating frame, and damping.
 
-A particle that the rotation alone carries to x at time t is found at x + u(x, t). Its velocity is
+A particle that would be at x at time t by rigid rotation alone is at x + u(x, t). Its velocity is
 
     Omega a x r + D u,     D = d/dt + Omega R,     R u = (a x r) . grad u  =  d u / d theta
 
-with the unit vector a of the axis, the rate Omega, r = x - origin, and the derivative taken of each
-Cartesian component. In the weak form, with the test function v,
+where a is the unit vector of the axis, Omega the rate, r = x - origin, and the derivative applies
+to each Cartesian component. In the weak form, with the test function v,
 
     M = int rho v . u
     Y = 2 Omega int rho v . R u  =  Omega int rho (v . R u - R v . u)      gyroscopic, skew
     - Omega^2 Z,  Z = int rho R v . R u                                     convective stiffness
 
-On an axisymmetric body a x r has no divergence and no normal component: v . R u + R v . u
+On an axisymmetric body a x r has zero divergence and no normal component, so v . R u + R v . u
 integrates to zero, and Y is assembled as its skew part.
 
-D holds all inertia, Coriolis forces too. Without Coriolis forces the displacement is carried along
-with its directions, R u = (a x r) . grad u - a x u: R then commutes with the elasticity of the
-body, and a free body has exactly the eigenvalues lambda_0 +- i m Omega, m the number of nodal
-diameters, as far as Z is there (Genta, Dynamics of Rotating Systems, 2005). The geometric stiffness
-of the centrifugal forces, of the order of Z too, is not part of either.
+D contains all inertia, with Coriolis forces. Without Coriolis forces the displacement rotates with
+the material, R u = (a x r) . grad u - a x u: R then commutes with the elasticity of the body, and
+a free body has exactly the eigenvalues lambda_0 +- i m Omega, m the number of nodal diameters, if
+Z is included (Genta, Dynamics of Rotating Systems, 2005). The geometric stiffness of centrifugal
+forces, which is of the same order as Z, is not included in either case.
 
-Damping of the material acts on the velocity that the material sees, d u / d t + Omega R u with the
-R that carries directions along, whatever the Coriolis forces. Beside C u_t stands the circulatory
-stiffness Omega C R, without which waves that run backwards would be fed. On the space of the body
-R u is its L2 projection, R = M^-1 B with B = int rho v . R u, skew:
-
+Material damping acts on the velocity in the rotating material, d u / d t + Omega R u, always with
+the R of displacements that rotate with the material. Besides C u_t it gives the circulatory
+stiffness Omega C R, without which backward travelling waves would gain energy. In the space of the
+body R u is its L2 projection, R = M^-1 B with the skew B = int rho v . R u:
     Rayleigh damping alpha M + beta K      alpha Omega B + beta Omega K M^-1 B
     modal damping                          Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T
 
-M^-1 is full: the products are never formed (:mod:`cea.eigen.unformed`). Springs and friction stay
-where they are in space; no rotation enters their damping.
+M^-1 is dense: the products are never formed (:mod:`cea.eigen.unformed`). Springs and friction are
+fixed in space; rotation does not enter their damping.
 """
 
 from dataclasses import dataclass, replace
@@ -40,17 +39,17 @@ import numpy as np
 from cea.arrays import Floats, is_number, of_size_one
 from cea.errors import require
 
-_SAME = 1e-8  # relative distance of frequencies of one multiple eigenvalue
-_ROUNDING = 1e-15  # of ratios that are proportional to the frequency, or to its inverse
+_SAME = 1e-8  # relative difference of frequencies treated as one multiple eigenvalue
+_ROUNDING = 1e-15  # relative rounding error of ratios proportional to the frequency or its inverse
 
 
 @dataclass(frozen=True)
 class RayleighDamping:
-    """Rayleigh damping C = alpha M + beta K, K with the springs of the body.
+    """Rayleigh damping C = alpha M + beta K, where K includes the springs of the body.
 
-    A mode of the body alone with the angular frequency omega has the damping ratio
-    alpha / (2 omega) + beta omega / 2 (Bathe, Finite Element Procedures, sec. 9.3.3). Of a body
-    that rotates all but its springs is carried along with the material (:mod:`cea.motion`).
+    A mode of the uncoupled body with angular frequency omega has the damping ratio
+    alpha / (2 omega) + beta omega / 2 (Bathe, Finite Element Procedures, sec. 9.3.3). In a rotating
+    body the damping rotates with the material, except for that of springs (:mod:`cea.motion`).
 
     Parameters
     ----------
@@ -72,10 +71,10 @@ class RayleighDamping:
     def of_ratios(
         cls, ratios: tuple[float, float], frequencies: tuple[float, float]
     ) -> "RayleighDamping":
-        """Damping that has given ratios, 1 being critical, at two different frequencies (Hz).
+        """Return damping with given ratios (1 is critical) at two different frequencies (Hz).
 
-        Refused where alpha or beta would be negative: ratios may not fall faster than the inverse
-        of the frequency, nor rise faster than the frequency.
+        Raise InputError if alpha or beta would be negative: ratios must not fall faster than the
+        inverse of the frequency, nor rise faster than the frequency.
         """
         different = all(map(_is_positive, frequencies)) and len(set(frequencies)) == 2
         allowed = "two different positive ones (Hz)"
@@ -93,33 +92,33 @@ class RayleighDamping:
 
 @dataclass(frozen=True)
 class ModalDamping:
-    """Damping of the modes of a body alone, held by its supports and springs, at rest.
+    """Damping of the modes of the uncoupled body at rest, with its supports and springs.
 
-    With modes phi_j, phi_i^T M phi_j = delta_ij, angular frequencies omega_j and damping ratios
+    For modes phi_j with phi_i^T M phi_j = delta_ij, angular frequencies omega_j and damping ratios
     zeta_j it is
 
         C = sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T,
 
-    so that lambda_j = omega_j (-zeta_j +- i sqrt(1 - zeta_j^2)) of the body alone (Clough, Penzien,
-    Dynamics of Structures, sec. 12.5). Rigid motions have none, nor have modes beyond those named.
-    Of a body that rotates it is carried along with the material (:mod:`cea.motion`).
+    so that lambda_j = omega_j (-zeta_j +- i sqrt(1 - zeta_j^2)) for the uncoupled body (Clough,
+    Penzien, Dynamics of Structures, sec. 12.5). Rigid body modes and modes above the table are
+    undamped. In a rotating body the damping rotates with the material (:mod:`cea.motion`).
 
     Parameters
     ----------
     ratio
-        Damping ratio of all modes up to ``max_frequency``, zero or more and below 1, critical.
+        Damping ratio of all modes up to ``max_frequency``, at least 0 and below 1 (critical).
     max_frequency
         Frequency (Hz) up to which modes are damped.
     ratios
-        Given instead: ratios of modes at ``frequencies``, linear between them.
+        Alternative: ratios of modes at ``frequencies``, interpolated linearly.
     frequencies
-        Rising frequencies (Hz). Modes below the first have the first ratio, modes above the last
-        none.
+        Increasing frequencies (Hz). Modes below the first have the first ratio, modes above the
+        last none.
 
     Raises
     ------
     InputError
-        When values are out of bounds, or neither all of one kind nor of the other are given.
+        If values are out of bounds, or not exactly one of ``ratio`` and ``ratios`` is given.
     """
 
     ratio: float | None = None
@@ -131,9 +130,9 @@ class ModalDamping:
         allowed = "one for all modes up to max_frequency, or ratios at frequencies"
         require((self.ratio is None) != (self.ratios is None), "ratio", self.ratio, allowed)
         together = (self.ratio is None) == (self.max_frequency is None)
-        require(together, "max_frequency", self.max_frequency, "given where ratio is (Hz)")
+        require(together, "max_frequency", self.max_frequency, "given together with ratio (Hz)")
         together = (self.ratios is None) == (self.frequencies is None)
-        require(together, "frequencies", self.frequencies, "given where ratios are (Hz)")
+        require(together, "frequencies", self.frequencies, "given together with ratios (Hz)")
         positive = self.max_frequency is None or _is_positive(self.max_frequency)
         require(positive, "max_frequency", self.max_frequency, "positive, finite (Hz)")
         require(self.ratio is None or _is_ratio(self.ratio), "ratio", self.ratio, _RATIO)
@@ -148,14 +147,14 @@ class ModalDamping:
 
     @property
     def _table(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Ratios, relative to ``ratio`` where it is given, and their frequencies (Hz)."""
+        """Ratios, relative to ``ratio`` if it is given, and their frequencies (Hz)."""
         if self.max_frequency is not None:
             return (1.0,), (self.max_frequency,)
         return self.ratios or (), self.frequencies or ()
 
     @property
     def parameter(self) -> tuple[str, float]:
-        """Field that is a parameter of a pencil, and its value: a factor of a table."""
+        """Name and value of the field that is a parameter of the pencil; a factor for a table."""
         return ("ratios", 1.0) if self.ratio is None else ("ratio", self.ratio)
 
     @property
@@ -165,13 +164,13 @@ class ModalDamping:
 
     @property
     def acts(self) -> bool:
-        """Whether anything is damped."""
+        """Whether any mode is damped."""
         return bool(self.ratio) or any(self.ratios or ())
 
     def factors_at(self, frequencies: Floats) -> Floats:
-        """Damping ratios of elastic modes at frequencies (Hz), relative to ``ratio``."""
+        """Return damping ratios of elastic modes at frequencies (Hz), relative to ``ratio``."""
         ratios, table = self._table
-        # Modes of one frequency, which rounding sets apart, are damped alike.
+        # Modes of a multiple eigenvalue, which rounding separates, are damped alike.
         inside = frequencies <= (1 + _SAME) * table[-1]
         return np.where(inside, np.interp(frequencies, table, ratios), 0.0)
 
@@ -189,24 +188,24 @@ def _is_positive(value: float) -> bool:
 
 @dataclass(frozen=True)
 class Rotation:
-    """Steady rotation of a body whose shape it leaves as it is.
+    """Steady rotation of an axisymmetric body.
 
-    Supports, springs and contacts stay where they are in space while the material passes by.
+    Supports, springs and contacts are fixed in space while the material moves through them.
 
     Parameters
     ----------
     rate
-        Omega (rad/s), zero or positive: right-handed about the axis, which gives the sense.
+        Omega (rad/s), zero or positive, right-handed about the axis.
     axis
-        Direction of the axis, any length but zero; along z in the plane.
+        Direction of the axis, any nonzero length; along z in 2D.
     origin
         A point of the axis (m).
     convective_stiffness
-        Whether the term - Omega^2 Z is part of the stiffness. The geometric stiffness of the
-        centrifugal forces, which is of the same order, is not.
+        Whether the stiffness includes the term - Omega^2 Z. The geometric stiffness of the
+        centrifugal forces, which is of the same order, is not included.
     coriolis
-        Whether Coriolis forces act. Without, displacements are carried along with their directions,
-        and modes of a free body pass by with m Omega.
+        Whether Coriolis forces act. If not, displacements rotate with the material, and modes of a
+        free body are shifted by m Omega.
     """
 
     rate: float
@@ -224,18 +223,18 @@ class Rotation:
         require(finite, "rotation.origin", self.origin, "finite coordinates (m)")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse an axis that leaves the plane oblique, and an origin beside it."""
+        """Raise InputError in 2D for an axis that is not along z or an origin with z != 0."""
         if dim == 2:
             require(not any(self.axis[:2]), f"{field}.axis", self.axis, "along z in the plane")
             require(not self.origin[2], f"{field}.origin", self.origin, "z = 0 in the plane")
 
     @property
     def of_material(self) -> "Rotation":
-        """The same, displacements being carried along with their directions."""
+        """The same rotation without Coriolis forces, for material damping."""
         return replace(self, coriolis=False)
 
     def spin(self, dim: int) -> Floats:
-        """W with W v = a x v, skew, shape (dim, dim)."""
+        """Return the skew matrix W with W v = a x v, shape (dim, dim)."""
         axis = of_size_one(self.axis)
         x, y, z = axis / np.linalg.norm(axis)
         whole = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -244,15 +243,15 @@ class Rotation:
 
 @dataclass(frozen=True)
 class Motion:
-    """What acts on the velocities of a body."""
+    """Damping and rotation of a body, the terms that act on its velocities."""
 
-    damping: RayleighDamping | None = None  # its Rayleigh damping; None without
-    rotation: Rotation | None = None  # its rotation; None without
-    # its modal damping (:mod:`cea.system.modal_damping`); None without
+    damping: RayleighDamping | None = None  # Rayleigh damping, or None
+    rotation: Rotation | None = None  # rotation, or None
+    # modal damping (:mod:`cea.system.modal_damping`), or None
     modal: ModalDamping | None = None
 
     @property
     def circulates(self) -> bool:
-        """Whether damping is carried along by a rotation."""
+        """Whether the body has damping that rotates with the material."""
         damped = self.damping is not None or self.modal is not None
         return damped and self.rotation is not None

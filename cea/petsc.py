@@ -1,10 +1,10 @@
-"""MPI, PETSc and SLEPc: the one place that brings them in, in the order they need.
+"""MPI, PETSc and SLEPc, imported in the order that they require.
 
-The wheel `dolfinx_solver` must be imported ahead of petsc4py, slepc4py, mpi4py and dolfinx. Other
-modules take all of them from here, and import this module before they import dolfinx.
+The wheel `dolfinx_solver` must be imported before petsc4py, slepc4py, mpi4py and dolfinx. Other
+modules import all of them from here, and import this module before dolfinx.
 
-Memory that is freed stays with the process: the C library would hand large blocks back, and the
-system clears them page by page when they are asked for again, a tenth of the time of a large run.
+Malloc trimming is disabled: freed pages are reused instead of returned to the system, which would
+clear them page by page when they are allocated again, a tenth of the time of a large run.
 """
 
 import ctypes
@@ -17,7 +17,7 @@ from slepc4py import SLEPc
 from cea.files import ignore_closed_pipes
 
 _TRIM_THRESHOLD, _MMAP_MAX = -1, -4
-"""Options of mallopt: large blocks come from the heap, which is never trimmed."""
+"""Options of mallopt: allocate large blocks on the heap, and never trim the heap."""
 
 ignore_closed_pipes()
 _C = ctypes.CDLL(None)
@@ -27,7 +27,7 @@ if hasattr(_C, "mallopt"):
 
 
 def give_back() -> None:
-    """Give the memory that was freed back to the system."""
+    """Return freed memory to the system."""
     if hasattr(_C, "malloc_trim"):
         _C.malloc_trim(0)
 

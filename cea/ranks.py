@@ -1,4 +1,4 @@
-"""Agreement between ranks, so that a fault on one leaves no other waiting."""
+"""Agreement between ranks, so that an error on one rank does not leave the others waiting."""
 
 import pickle
 from collections.abc import Callable, Iterator
@@ -7,12 +7,12 @@ from typing import Any
 
 
 class FaultOnRankError(RuntimeError):
-    """A fault on another rank that cannot travel as it is: its kind and its words."""
+    """An exception of another rank that cannot be pickled, with its type and message."""
 
 
 @contextmanager
 def agreed(comm: Any) -> Iterator[None]:
-    """Run a block that sends no messages; a fault on any rank ends it on every rank; collective."""
+    """Run a block without communication; raise an error of any rank on every rank; collective."""
     fault = None
     try:
         yield
@@ -25,18 +25,18 @@ def agreed(comm: Any) -> Iterator[None]:
 
 
 def made_on_first[T](comm: Any, make: Callable[[], T]) -> T | None:
-    """What a function makes on rank 0, None on others; every rank raises what it raises there."""
+    """Return the result of a function on rank 0, None elsewhere; all ranks raise its errors."""
     with agreed(comm):
         return make() if comm.rank == 0 else None
 
 
 def local_rows(n: int, comm: Any) -> tuple[int, int]:
-    """First row of this rank and of the next, when n rows are shared out evenly."""
+    """Return the first row of this rank and of the next, for n rows distributed evenly."""
     return comm.rank * n // comm.size, (comm.rank + 1) * n // comm.size
 
 
 def _travelling(fault: Exception | None) -> Exception | None:
-    """A fault as it can be sent: some do not survive being packed."""
+    """Return an exception that can be pickled, wrapping it if it cannot."""
     if fault is None:
         return None
     try:

@@ -1,11 +1,11 @@
-"""What a contact surface must offer, however its body is discretised: points, location, trace.
+"""Contact surfaces of any discretisation: quadrature points, point location, traces.
 
-A contact surface is small beside its volume. Every rank holds the whole of it, geometry and global
-scalar dof numbers of one layer of cells, so that points, location and trace need no messages.
+A contact surface is small compared with its volume. Every rank holds all of its geometry and the
+communication.
 
-Where its normal jumps the surface has a corner. Corners divide it into smooth parts: a point at a
-corner has the normal of the element whose coordinates it bears, and rules have one point there for
-each part (:mod:`cea.surface_points`).
+Where the normal jumps the surface has a corner. Corners divide it into smooth parts: a point at a
+corner has the normal of the element of its coordinates, and rules have one point there for each
+smooth part (:mod:`cea.surface_points`).
 """
 
 from abc import abstractmethod
@@ -31,31 +31,31 @@ from cea.surface_points import (
 )
 
 _MERGE = 1e-7
-"""Grid points nearer than this, relative to the spacing on the smallest element, are one."""
+"""Distance, relative to the spacing on the smallest element, below which points are merged."""
 
 
 class TrueSurface(Protocol):
-    """The surface of a shape that facets of a mesh interpolate."""
+    """The exact surface that the facets of a mesh interpolate."""
 
     def distance(self, x: Floats, direction: Floats) -> Floats:
-        """Signed distance (m) to it along unit directions from points x (m), (n, dim): (n,)."""
+        """Return the signed distance (m) to it along unit directions from x (m), (n, dim): (n,)."""
 
     def normal(self, x: Floats, near: Floats) -> Floats:
-        """Its unit normals at points x (m), outward as those of the facets near them, (n, dim)."""
+        """Return its unit normals at x (m), on the same side as the normals ``near``, (n, dim)."""
 
 
 class Surface(Chart):
-    """A named surface (curve in 2D) of a body with so many scalar dofs.
+    """A named surface (curve in 2D) of a body.
 
-    A backend gives the members marked abstract, here and in :class:`cea.location.Chart`; points,
-    normals, location and what corners split are written once. Elements may interpolate a true
-    surface of a shape.
+    A backend implements the abstract members, here and in :class:`cea.location.Chart`; points,
+    normals, location and the splitting of traces at corners are common. Elements may interpolate
+    an exact surface.
     """
 
     abscissa_kinds: ClassVar[tuple[str, ...]]
     """Kinds of abscissae this surface has: ``nodes``, or ``greville`` and ``botella``."""
     abscissa_weights: ClassVar[tuple[str, ...]]
-    """Kinds of weights they may bear: ``equal``, and one more."""
+    """Kinds of weights of the abscissae: ``equal``, and one more."""
 
     def __init__(self, name: str, num_scalar_dofs: int, true: TrueSurface | None = None) -> None:
         self.name, self.num_scalar_dofs, self._true = name, num_scalar_dofs, true
@@ -67,36 +67,36 @@ class Surface(Chart):
 
     @abstractmethod
     def area_normals(self, at: SurfaceCoordinates) -> tuple[Floats, Floats, Floats]:
-        """Positions (m) and outward unit normals, (n, dim) each, and area per area of xi, (n,)."""
+        """Return positions (m), outward unit normals, (n, dim), area per area of xi, (n,)."""
 
     @property
     @abstractmethod
     def function_dofs(self) -> Ints:
-        """Scalar dofs of the functions that have a value on each element, element by element."""
+        """Scalar dofs of the functions that are nonzero on each element, element by element."""
 
     @abstractmethod
     def function_points(self, kind: str) -> SurfaceCoordinates:
-        """Abscissae of a kind of these functions, on the same elements."""
+        """Return the abscissae of these functions, in the same order."""
 
     @abstractmethod
     def values(self, at: SurfaceCoordinates, columns: Ints, count: int) -> csr_array:
-        """Values of these functions in given columns, one each, of so many: (n, count)."""
+        """Return values of these functions, function i in column ``columns[i]``, (n, count)."""
 
     @abstractmethod
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
-        """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
+        """Return derivatives of the scalar basis along x, y, z, each (n, num_scalar_dofs)."""
 
     @abstractmethod
     def join_smoothly(self, at: SurfaceCoordinates, pairs: Ints) -> NDArray[np.bool_]:
-        """Whether elements join smoothly at pairs, (m, 2), of points that lie at one place."""
+        """Return whether elements join smoothly at pairs (m, 2) of coincident points."""
 
     @abstractmethod
     def shares(self) -> Floats:
-        """Positive shares of the area of the split functions, added up to it, (functions,)."""
+        """Return positive area weights of the split functions, whose sum is the area."""
 
     @property
     def num_elements(self) -> int:
-        """Number of its elements: facets of a mesh, faces of NURBS patches."""
+        """Number of elements: facets of a mesh, or faces of NURBS patches."""
         return len(self.domains[0])
 
     @cached_property
@@ -106,50 +106,50 @@ class Surface(Chart):
 
     @cached_property
     def mesh_size(self) -> float:
-        """Largest diameter of its cells (m)."""
+        """Largest cell diameter (m)."""
         return float(self.size(np.arange(self.num_elements)).max())
 
     def position(self, at: SurfaceCoordinates) -> Floats:
-        """Positions (m), shape (n, dim)."""
+        """Return positions (m), shape (n, dim)."""
         return self.tangents(self.known(at), at.xi)[0]
 
     def normal(self, at: SurfaceCoordinates) -> Floats:
-        """Outward unit normals, shape (n, dim)."""
+        """Return outward unit normals, shape (n, dim)."""
         self.known(at)
         return self.area_normals(at)[1]
 
     def known(self, at: SurfaceCoordinates) -> Ints:
-        """Elements of points, once checked that none was missed."""
+        """Return the elements of points; raise InputError if a point was missed."""
         if len(at) and not 0 <= at.element.min() <= at.element.max() < self.num_elements:
             wrong = [at.element.min(), at.element.max()]
-            raise InputError("at.element", wrong, f"0 to {self.num_elements - 1}: points found")
+            raise InputError("at.element", wrong, f"0 to {self.num_elements - 1}: located points")
         return at.element
 
     def offset(self, at: SurfaceCoordinates, direction: Floats) -> Floats:
-        """Signed distance (m) along unit directions from the surface to that of the shape, (n,).
+        """Return the signed distance (m), along unit directions, to the exact surface, (n,).
 
-        Zero where the surface is that of the shape, or no shape is known.
+        Zero if the surface is exact, or the exact one is unknown.
         """
         if self._true is None:
             return np.zeros(len(at))
         return self._true.distance(self.position(at), direction)
 
     def normal_error(self, at: SurfaceCoordinates) -> Floats:
-        """Normals less those of the shape, (n, dim); zero where no shape is known."""
+        """Return normals minus exact normals, (n, dim); zero if the exact surface is unknown."""
         normal = self.normal(at)
         if self._true is None:
             return np.zeros_like(normal)
         return normal - self._true.normal(self.position(at), normal)
 
     def geometry_error(self, at: SurfaceCoordinates) -> Floats:
-        """Estimate of how far the true surface lies from where `offset` puts it (m), shape (n,)."""
+        """Return an error estimate (m) of the exact surface given by `offset`, shape (n,)."""
         return np.zeros(len(at))
 
     def gauss_points(self, n: int) -> SurfacePoints:
-        """Gauss points, n per direction in each cell, weights with the Jacobian.
+        """Return Gauss points, n per direction in each cell; weights include the Jacobian.
 
-        In triangles the collapsed product of Gauss-Legendre and Gauss-Jacobi points, exact to
-        degree 2n - 1 as in rectangles, the Gauss-Jacobi points along the second direction.
+        Triangles have the collapsed product of Gauss-Legendre and Gauss-Jacobi points, the latter
+        along the second direction; the rule is exact to degree 2n - 1, as in rectangles.
         """
         require(n >= 1, "gauss_points", n, "at least one per direction")
         cells = self.cells()
@@ -159,9 +159,9 @@ class Surface(Chart):
         return SurfacePoints(at, x, normal, (extent[:, None] * weights).ravel() * area)
 
     def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
-        """Abscissae of the split trace space, each once: at a corner once for each smooth part.
+        """Return the abscissae of the split traces, with one point per smooth part at corners.
 
-        Weights are ``equal`` shares of the area of each smooth part, or :meth:`shares`.
+        Weights are ``equal`` shares of the area of each smooth part, or from :meth:`shares`.
         """
         kinds, bearing = self.abscissa_kinds, self.abscissa_weights
         require(kind in kinds, "abscissae", kind, f"one of {', '.join(kinds)}")
@@ -173,11 +173,11 @@ class Surface(Chart):
         return replace(points, weight=self.shares()[self.functions[first]])
 
     def grid(self, n: int) -> SurfacePoints:
-        """Equally spaced points, shared ones once: at a corner once for each smooth part.
+        """Return equally spaced points without duplicates, one per smooth part at corners.
 
-        n per direction over each face of a NURBS patch (in its parameters), or n per side of each
-        facet of a mesh; both include the boundary. The area of each smooth part is shared evenly
-        among its points.
+        There are n per direction over each face of a NURBS patch (in its parameters), or n per side
+        of each facet of a mesh; both include the boundary. The points of each smooth part share its
+        area equally.
         """
         require(n >= 2, "grid", n, "at least two points per direction, the ends")
         low, high = self.domains
@@ -192,15 +192,15 @@ class Surface(Chart):
         return self._even(at[np.sort(np.unique(groups, return_index=True)[1])])
 
     def trace(self, at: SurfaceCoordinates) -> csr_array:
-        """Values of the scalar basis functions, shape (n, num_scalar_dofs)."""
+        """Return values of the scalar basis functions, shape (n, num_scalar_dofs)."""
         self.known(at)
         return self.values(at, self.function_dofs, self.num_scalar_dofs)
 
     def split_trace(self, at: SurfaceCoordinates) -> csr_array:
-        """Values of the trace functions split at corners, shape (n, num_scalar_dofs + further).
+        """Return values of the traces split at corners, shape (n, num_scalar_dofs + further).
 
-        A function that reaches over a corner is one function for each smooth part: one in its own
-        column, the others in further columns.
+        A function that extends over a corner is split into one function per smooth part: one keeps
+        its column, the others have further columns.
         """
         self.known(at)
         count = max(self.num_scalar_dofs, int(self.functions.max(initial=0)) + 1)
@@ -208,7 +208,7 @@ class Surface(Chart):
 
     @cached_property
     def functions(self) -> Ints:
-        """Numbers of the trace functions split at corners, as :attr:`function_dofs`."""
+        """Numbers of the traces split at corners, in the order of :attr:`function_dofs`."""
         dofs = self.function_dofs
         pairs = pairs_of_equal(dofs)
         smooth = self.join_smoothly(self.function_points(self.abscissa_kinds[0]), pairs)
@@ -221,13 +221,13 @@ class Surface(Chart):
 
     @cached_property
     def _parts(self) -> Ints:
-        """Smooth part of each element, (num_elements,): those that share a split function."""
+        """Smooth part of each element, (num_elements,); its elements share split functions."""
         element = self.function_points(self.abscissa_kinds[0]).element
         pairs = np.column_stack([element, self.num_elements + self.functions])
         return connected(pairs, int(pairs.max()) + 1)[: self.num_elements]
 
     def _even(self, at: SurfaceCoordinates) -> SurfacePoints:
-        """Points that share the area of their smooth part evenly."""
+        """Return points whose weights are equal within each smooth part and sum to its area."""
         x, normal, _ = self.area_normals(at)
         part = self._parts[at.element]
         areas = np.bincount(self._parts, weights=self.element_areas)

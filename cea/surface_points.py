@@ -1,9 +1,9 @@
-"""Points, cells and locations of contact surfaces, and corners where the normal jumps.
+"""Points, cells and locations of contact surfaces, and corners, where the normal jumps.
 
-A contact closes gaps along one normal at each point. A trace function that reaches over a corner
-would average gaps along two: it is split into one function for each smooth part of the surface that
-it reaches. A point at a corner likewise becomes one point for each smooth part, with the normal and
-the area of that part.
+Contact constrains the gap along one normal at each point. A trace function that extends over a
+corner would average gaps along two normals: it is split into one function per smooth part of the
+surface. Likewise a point at a corner becomes one point per smooth part, with the normal and the
+area of that part.
 """
 
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ from scipy.special import roots_jacobi, roots_legendre
 from cea.arrays import Floats, Ints
 
 TANGENT = np.cos(np.deg2rad(1.0))
-"""Least cosine between normals of faces that join smoothly.
+"""Smallest cosine between normals of faces that join smoothly.
 
-Programs that draw faces take them for tangent within about a degree.
+CAD programs treat faces as tangent to within about one degree.
 """
 
 
@@ -35,9 +35,9 @@ class Status(IntEnum):
 
 @dataclass(frozen=True)
 class SurfaceCoordinates:
-    """Points of a surface in its own coordinates."""
+    """Points of a surface in surface coordinates."""
 
-    element: Ints  # facet, or face of a patch, that holds each point, shape (n,)
+    element: Ints  # facet, or face of a patch, that contains each point, shape (n,)
     xi: Floats  # reference coordinates in that element, shape (n, dim - 1)
 
     def __len__(self) -> int:
@@ -49,7 +49,7 @@ class SurfaceCoordinates:
 
 @dataclass(frozen=True)
 class SurfacePoints:
-    """Points of a rule on a surface."""
+    """Points and weights of a quadrature rule on a surface."""
 
     at: SurfaceCoordinates
     x: Floats  # positions (m), shape (n, dim)
@@ -70,10 +70,10 @@ class SurfaceCells:
     element: Ints  # surface element of each cell, shape (n,)
     corners: Floats  # in coordinates of the element, in cyclic order, shape (n, corners, dim - 1)
     degree: int  # highest degree of the traces along a direction
-    tensor: bool  # whether traces have that degree along each direction, rather than in all
+    tensor: bool  # whether the degree is that in each direction, not the total degree
 
     def coordinates(self, t: Floats) -> tuple[SurfaceCoordinates, Floats]:
-        """The same points of each cell, cell by cell, and the extent of each in xi, (n,)."""
+        """Return points t of each cell, cell by cell, and the extent of each cell in xi, (n,)."""
         first = self.corners[:, :1]
         edges = self.corners[:, [1, -1][: t.shape[1]]] - first
         xi = first + t @ edges
@@ -84,14 +84,14 @@ class SurfaceCells:
 
 @dataclass(frozen=True)
 class Location:
-    """Points found, or missed, on a surface along given directions."""
+    """Result of locating points on a surface along given directions."""
 
-    at: SurfaceCoordinates  # where each was found; the nearest candidate where it was missed
+    at: SurfaceCoordinates  # location of each point, or its nearest candidate if it was missed
     distance: Floats  # signed distance (m) along the direction to the surface, shape (n,)
-    # distance (m) by which the line misses the surface, infinite where nothing was near, (n,)
+    # distance (m) by which the line misses the surface, infinite without candidates, (n,)
     miss: Floats
     status: NDArray[np.int8]  # one :class:`Status` per point, shape (n,)
-    tolerance: float  # miss allowed, relative to the local mesh size
+    tolerance: float  # tolerance of ``miss``, relative to the local mesh size
 
     def __getitem__(self, rows: Any) -> "Location":
         distance, miss, status = self.distance[rows], self.miss[rows], self.status[rows]
@@ -99,14 +99,14 @@ class Location:
 
     @property
     def missed(self) -> NDArray[np.bool_]:
-        """True where a point was missed, shape (n,)."""
+        """True for missed points, shape (n,)."""
         return self.status == Status.MISSED
 
 
 def gauss_rule(n: int, dim: int, *, simplex: bool) -> tuple[Floats, Floats]:
-    """Points (m, dim) and weights (m,), n per direction, of the unit interval, square or triangle.
+    """Return Gauss points (m, dim) and weights (m,) of the unit interval, square or triangle.
 
-    In a triangle collapsed, with Gauss-Jacobi points along the first direction.
+    There are n per direction; triangles have Gauss-Jacobi points along the first direction.
     """
     t, w = roots_legendre(n)
     t, w = (1 + t) / 2, w / 2
@@ -122,7 +122,7 @@ def gauss_rule(n: int, dim: int, *, simplex: bool) -> tuple[Floats, Floats]:
 
 
 def pairs_of_equal(numbers: Ints) -> Ints:
-    """All pairs of entries that have the same number, shape (pairs, 2)."""
+    """Return all pairs of entries with the same number, shape (pairs, 2)."""
     n = len(numbers)
     shape = (n, int(numbers.max(initial=0)) + 1)
     has = csr_array((np.ones(n, dtype=np.int8), numbers, np.arange(n + 1)), shape=shape)
@@ -130,6 +130,6 @@ def pairs_of_equal(numbers: Ints) -> Ints:
 
 
 def connected(pairs: Ints, count: int) -> Ints:
-    """Group of each of ``count`` entries: paired entries are in one, numbers from 0."""
+    """Return the group of each of ``count`` entries, from 0, such that pairs share a group."""
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Time by stage: of the clock, and of the processor."""
+"""Wall clock and processor time by stage."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,9 +8,9 @@ STAGES = ("meshing", "search", "assembly", "factorisation", "krylov", "post-proc
 
 
 class StageTimer:
-    """Seconds of the clock, and of the processor for this process, spent in named stages of a run.
+    """Wall clock seconds, and processor seconds of this process, by stage of a run.
 
-    The listener is called with the name of each stage as it begins, to show progress.
+    ``listener`` is called with the name of each stage when it begins, to report progress.
     """
 
     def __init__(self, listener: Callable[[str], None] | None = None) -> None:
@@ -20,7 +20,7 @@ class StageTimer:
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
-        """Time a block as part of ``stage``; blocks of one stage add up."""
+        """Add the time of a block to ``stage``."""
         if self._listener is not None:
             self._listener(stage)
         start, worked = perf_counter(), process_time()
@@ -32,10 +32,10 @@ class StageTimer:
             self.processor_seconds[stage] = before + process_time() - worked
 
     def add(self, stage: str, seconds: float) -> None:
-        """Count seconds of the clock towards a stage."""
+        """Add wall clock seconds to a stage."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
 
     @property
     def total(self) -> float:
-        """Sum of the clock's seconds over all stages."""
+        """Wall clock seconds of all stages."""
         return sum(self.seconds.values())

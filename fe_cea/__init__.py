@@ -1,6 +1,6 @@
 """Backend: Lagrange finite elements on meshes of triangles, quadrilaterals, tetrahedra, hexahedra.
 
-PETSc is brought in before anything here imports dolfinx.
+PETSc is imported before dolfinx.
 """
 
 import cea.petsc  # noqa: F401

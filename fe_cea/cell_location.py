@@ -1,4 +1,4 @@
-"""Points located in the cells of a Lagrange mesh, which every rank knows whole."""
+"""Location of points in the cells of a Lagrange mesh that is replicated on every rank."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,17 +13,17 @@ from fe_cea.facets import geometry_element, nodes_and_dofs
 
 _MAX_ITERATIONS = 40
 _STANDS = 1e-14
-"""Step of reference coordinates that ends the iteration."""
+"""Step of reference coordinates below which the iteration ends."""
 _SETTLED = 5
-"""Iterations after which a point that lies in one of its cells is no longer sought in the others:
-those it lies outside of are slow to come to their nearest point."""
+"""Iterations after which a point found in one cell is dropped from the others, where convergence
+to the nearest point is slow."""
 _INSIDE, _OUTSIDE = 1e-10, 1e-4
-"""Misses, relative to the size of a cell, of points inside it, and of those that are not."""
+"""Distances, relative to the cell size, below which a point is inside, above which outside."""
 _ALIKE = 9
-"""Digits to which misses are compared: at a common facet the lower cell wins."""
+"""Digits to which distances are compared: on a common facet the lower cell is chosen."""
 _TOUCHES, _REACH = 1e-9, 0.05
-"""How far beside boxes of cells points are looked for, relative to the largest box: first those
-that lie in cells, then the others, again and again four times as far."""
+"""Search distances around bounding boxes, relative to the largest: first for points in cells, then
+for the others, multiplied by four until all are found."""
 _SIMPLICES = (basix.CellType.triangle, basix.CellType.tetrahedron)
 
 
@@ -52,11 +52,11 @@ class Cells:
 
     @cached_property
     def sizes(self) -> Floats:
-        """Diagonals of the boxes of the nodes of each cell (m), (n,)."""
+        """Diagonals of the bounding boxes of the nodes of each cell (m), (n,)."""
         return np.linalg.norm(np.ptp(self.nodes, axis=1), axis=1)
 
     def locate(self, x: Floats) -> tuple[Ints, Floats, Floats]:
-        """Cell and reference coordinates nearest to each point."""
+        """Return the nearest cell, the reference coordinates, and the distance of each point."""
         cell = np.full(len(x), -1, dtype=np.int64)
         xi, miss = np.zeros(x.shape), np.full(len(x), np.inf)
         low, high = self.nodes.min(axis=1), self.nodes.max(axis=1)
@@ -75,7 +75,7 @@ class Cells:
         return cell, xi, miss
 
     def _pulled_back(self, cell: Ints, x: Floats, point: Ints) -> tuple[Floats, Floats]:
-        """Reference coordinates of points in cells by Newton steps kept inside, and misses."""
+        """Return reference coordinates in cells by clamped Newton steps, and relative distances."""
         corners = basix.geometry(self.geometry.cell_type)
         xi = np.broadcast_to(corners.mean(axis=0), x.shape).copy()
         rest = np.empty(x.shape)
@@ -101,7 +101,7 @@ class Cells:
         return np.asarray(np.linalg.norm(rest, axis=1) / self.sizes[cell])
 
     def _inside(self, xi: Floats) -> Floats:
-        """Reference coordinates moved into the reference cell."""
+        """Return reference coordinates moved into the reference cell."""
         clipped = np.clip(xi, 0.0, 1.0)
         if self.geometry.cell_type in _SIMPLICES:
             over = clipped.sum(axis=1, keepdims=True) - 1
@@ -110,7 +110,7 @@ class Cells:
         return clipped
 
     def _mapped(self, cell: Ints, xi: Floats, *, jacobian: bool = True) -> tuple[Floats, Floats]:
-        """Positions (n, dim) and derivatives dx_i/dX_j (n, dim, dim)."""
+        """Return positions (n, dim) and derivatives dx_i/dX_j (n, dim, dim)."""
         n, dim = xi.shape
         x, slopes = np.empty((n, dim)), np.empty((n, dim, dim) if jacobian else (0, dim, dim))
         for rows in chunks(n, 16 * (1 + dim) * self.nodes.shape[1]):
@@ -122,15 +122,15 @@ class Cells:
         return x, slopes
 
     def positions(self, cell: Ints, xi: Floats) -> Floats:
-        """Positions (m) of reference coordinates, (n, dim)."""
+        """Return positions (m) of reference coordinates, (n, dim)."""
         return self._mapped(cell, xi, jacobian=False)[0]
 
     def values(self, xi: Floats) -> Floats:
-        """Values at reference coordinates of the functions of a cell, (n, n_dofs)."""
+        """Return the values of a cell's functions at reference coordinates, (n, n_dofs)."""
         return np.asarray(self.trial.tabulate(0, xi)[0, :, :, 0])
 
 
 def own_cells(V: Any) -> tuple[Floats, Ints]:
-    """Geometry nodes (m) and global scalar dofs of the cells of this rank."""
+    """Return the geometry nodes (m) and global scalar dofs of the cells of this rank."""
     count = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
     return nodes_and_dofs(V, np.arange(count))

@@ -1,10 +1,10 @@
-"""Which facets of a mesh join smoothly, as those of a curved surface do, and which at a corner.
+"""Distinction of mesh facets that join smoothly, as on a curved surface, and at corners.
 
-Facets of a smooth surface turn less from one to the next the finer they are, those at a corner do
-not. Inscribed in a circle, neighbours that are seen from the centre under
-the angles s and t differ by (s + t) / 2 in their normals, and from their next neighbours by s / 2
-and t / 2 at least: facets of any lengths turn by no more than twice what they turn at the larger of
-their far ends. Those that turn by more meet at a corner.
+The angle between neighbouring facets decreases with refinement on a smooth surface, not at a
+corner. For facets inscribed in a circle with central angles s and t, the normals of neighbours
+differ by (s + t) / 2, and from those of their other neighbours by at least s / 2 and t / 2: facets
+of any lengths turn by at most twice the larger of the angles at their far ends. Facets that turn
+by more meet at a corner.
 """
 
 import numpy as np
@@ -13,15 +13,15 @@ from cea.arrays import Floats, Ints
 from cea.surface_points import TANGENT, pairs_of_equal
 
 CREASE = np.cos(np.deg2rad(50.0))
-"""Facets whose normals differ by more meet at a corner, whatever they do elsewhere.
+"""Cosine below which facets meet at a corner in any case.
 
-Those of a box with one facet a side turn as evenly as those of a circle. Eight facets or more that
-go round are a circle.
+A box with one facet per side turns as uniformly as a circle; eight or more facets around are a
+circle.
 """
 
 
 def smooth_pairs(dofs: Ints, normals: Floats, on_side: int) -> Ints:
-    """Pairs of facets that join smoothly."""
+    """Return pairs of facets that join smoothly."""
     entries = pairs_of_equal(dofs.ravel())
     one, other = normals.reshape(-1, normals.shape[2])[entries.T]
     turn = angles(one, other)
@@ -50,17 +50,17 @@ def smooth_pairs(dofs: Ints, normals: Floats, on_side: int) -> Ints:
 
 
 def _at_far_nodes(dofs: Ints, at_node: Floats, facet: Ints, neighbour: Ints) -> Floats:
-    """Angle (rad) by which facets turn to others at nodes that a neighbour does not share."""
+    """Return the angle (rad) of facets to others at nodes that a neighbour does not share."""
     shared = (dofs[facet][:, :, None] == dofs[neighbour][:, None, :]).any(axis=2)
     return np.where(shared, 0.0, at_node[facet]).max(axis=1, initial=0.0)
 
 
 def _inside(normals: Floats) -> Floats:
-    """Largest angle (rad) between normals at the nodes of a facet, (facets,)."""
+    """Return the largest angle (rad) between normals at the nodes of a facet, (facets,)."""
     cosine = np.einsum("fni,fmi->fnm", normals, normals).min(axis=(1, 2), initial=1.0)
     return np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
 def angles(one: Floats, other: Floats) -> Floats:
-    """Angles between unit vectors (rad), exact where they are small, (n,)."""
+    """Return angles between unit vectors (rad), accurate for small angles, (n,)."""
     return 2 * np.arcsin(np.minimum(np.linalg.norm(one - other, axis=1) / 2, 1.0))

@@ -1,4 +1,4 @@
-"""Meshes given as plain arrays, spread over the ranks as dolfinx meshes with tagged facets."""
+"""Distribution of meshes given as plain arrays, as dolfinx meshes with tagged facets."""
 
 from typing import Any
 
@@ -16,10 +16,10 @@ from cea.petsc import MPI
 
 
 def lasting_communicator(comm: Any) -> Any:
-    """A communicator of the same ranks that is never freed, where there is one.
+    """Return an equivalent communicator that is never freed, if there is one.
 
-    That of a dolfinx mesh is freed together with it, and a PETSc matrix made on it is then of no
-    more use, though contacts and pencils outlive their meshes.
+    The communicator of a dolfinx mesh is freed with it, which makes its PETSc matrices unusable,
+    but contacts and pencils outlive their meshes.
     """
     same = (MPI.IDENT, MPI.CONGRUENT)
     for known in (MPI.COMM_WORLD, MPI.COMM_SELF):
@@ -29,14 +29,14 @@ def lasting_communicator(comm: Any) -> Any:
 
 
 def distribute(mesh: Mesh | None, comm: Any, field: str) -> tuple[Any, Any, dict[str, int]]:
-    """Spread a mesh over the ranks; collective.
+    """Distribute a mesh over the ranks; collective.
 
-    The mesh (dolfinx), tags of its boundary facets, and the tag of each named surface.
+    Return the mesh (dolfinx), tags of its boundary facets, and the tag of each named surface.
     """
     said = (mesh.cell, mesh.order, tuple(mesh.surfaces)) if mesh is not None else None
     said = comm.bcast(said, root=0)
     if said is None:
-        raise InputError(field, None, "a mesh, on rank 0 at least")
+        raise InputError(field, None, "a mesh, at least on rank 0")
     cell, order, names = said
     dim = DIMENSION[cell]
     element = basix.ufl.element(
@@ -56,7 +56,7 @@ def distribute(mesh: Mesh | None, comm: Any, field: str) -> tuple[Any, Any, dict
 
 
 def _arrays(mesh: Mesh | None, cell: Cell, order: int) -> tuple[Floats, Ints, Ints, Any]:
-    """Points, cells, facets and their tags in the order of basix; of no mesh, none of each."""
+    """Return points, cells, facets and tags in the order of basix; empty without a mesh."""
     dim = DIMENSION[cell]
     kind = basix.CellType[cell]
     in_cell = _order_of_basix(kind, dim, order)
@@ -65,14 +65,14 @@ def _arrays(mesh: Mesh | None, cell: Cell, order: int) -> tuple[Floats, Ints, In
         none = np.empty((0, len(in_cell)), dtype=np.int64)
         no_facets = np.empty((0, len(in_facet)), dtype=np.int64)
         return np.empty((0, dim)), none, no_facets, np.empty(0, dtype=np.int32)
-    mesh = mesh.without_loose_points()  # dolfinx takes none
+    mesh = mesh.without_loose_points()  # dolfinx does not accept unused points
     facets = [np.empty((0, len(in_facet)), dtype=np.int64), *mesh.surfaces.values()]
     tags = np.repeat(np.arange(len(facets), dtype=np.int32), [len(part) for part in facets])
     return mesh.points, mesh.cells[:, in_cell], np.concatenate(facets)[:, in_facet], tags
 
 
 def _order_of_basix(kind: Any, dim: int, order: int) -> Ints:
-    """Number in a :class:`cea.mesh.Mesh` of each node of a Lagrange cell of basix, (n_nodes,)."""
+    """Return the number in a :class:`cea.mesh.Mesh` of each node of a basix cell, (n_nodes,)."""
     element = basix.create_element(
         basix.ElementFamily.P, kind, order, basix.LagrangeVariant.equispaced
     )

@@ -1,4 +1,4 @@
-"""Lagrange elements of cells and what they leave on facets; geometry and dofs of cells."""
+"""Lagrange elements of cells and their restrictions to facets; geometry and dofs of cells."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +12,7 @@ from cea.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class FacetBasis:
-    """A Lagrange element on a cell, and what it leaves on each facet of the cell."""
+    """A Lagrange element on a cell, and its restriction to facets."""
 
     cell: Any  # element on the reference cell (basix)
 
@@ -29,7 +29,7 @@ class FacetBasis:
     def closure(self) -> Ints:
         """Cell dofs on each local facet in the order of the facet's dofs, (facets, n_dofs).
 
-        Found by points: a Lagrange function of the cell is one at its own node only.
+        Computed from values: a Lagrange function of the cell is one at its own node only.
         """
         points = self.facet.points
         reference = [
@@ -41,14 +41,14 @@ class FacetBasis:
 
 
 def reference_facets(cell_type: Any) -> tuple[Floats, Floats]:
-    """First corners (facets, dim) and edge vectors (facets, dim, dim - 1) of reference facets."""
+    """Return first corners (facets, dim) and edges (facets, dim, dim - 1) of reference facets."""
     vertices = basix.topology(cell_type)[-2]
     corners = basix.geometry(cell_type)[[v[0] for v in vertices]]
     return corners, np.asarray(basix.cell.facet_jacobians(cell_type))
 
 
 def geometry_element(mesh: Any) -> Any:
-    """Lagrange element (basix) of the geometry of a mesh (dolfinx)."""
+    """Return the Lagrange element (basix) of the geometry of a mesh (dolfinx)."""
     cmap = mesh.geometry.cmaps[0]
     return basix.create_element(
         basix.ElementFamily.P,
@@ -59,7 +59,7 @@ def geometry_element(mesh: Any) -> Any:
 
 
 def nodes_and_dofs(V: Any, cells: Ints) -> tuple[Floats, Ints]:
-    """Geometry nodes (m) and global scalar dofs of some cells of this rank, by cell."""
+    """Return geometry nodes (m) and global scalar dofs of given cells of this rank."""
     geometry, blocks = V.mesh.geometry, V.dofmap.list[cells]
     dofs = V.dofmap.index_map.local_to_global(blocks.ravel()).reshape(blocks.shape)
     return geometry.x[geometry.dofmaps[0][cells], : geometry.dim], dofs.astype(np.int64)

@@ -1,16 +1,16 @@
-"""Matrices of a Lagrange space, put together from compiled scalar forms.
+"""Matrices of a Lagrange space, assembled from compiled scalar forms.
 
-With the scalar basis functions phi_n, one form with a tensor T gives
+For scalar basis functions phi_n, one form with a tensor T gives
 
     K_ij = int T^ij_pq d_p phi_m d_q phi_n,    T^ij_pq = c_ipjq,
 
 for the components i and j of an elastic solid (Hughes, The Finite Element Method, 2000, sec. 2.8
-and 3.10; row m, column n; K_ji = K_ij^T). The same form with the stress in the place of T is the
-geometric stiffness. T is a constant, or numbers at the points of the quadrature. With v v^T, v the
-velocity of a rotation, it is the convective stiffness. Every scalar matrix is put together with its
-transpose, so that symmetric matrices are symmetric, and skew ones skew, to the last bit.
+and 3.10; row m, column n; K_ji = K_ij^T). The same form with the stress as T is the geometric
+stiffness, and with v v^T, v the velocity of a rotation, the convective stiffness. T is constant, or
+given at the quadrature points. Every scalar matrix is combined with its transpose, so that matrices
+are symmetric or skew to the last bit.
 
-A form is compiled once for each element, whatever the material: numbers are dolfinx Constants.
+Forms are compiled once per element for all materials: material data are dolfinx Constants.
 """
 
 from collections.abc import Callable
@@ -35,10 +35,10 @@ _JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
 
 class LagrangeMatrices:
-    """Matrices of all dofs (full x full), PETSc AIJ, each made anew; making one is collective.
+    """Matrices of all dofs (full x full), PETSc AIJ, not cached; assembly is collective.
 
-    Of a scalar Lagrange space V (dolfinx), on a communicator of the same ranks as that of its mesh.
-    The quadrature of the mass is exact on affine cells where no degree of it is given.
+    ``V`` is a scalar Lagrange space (dolfinx), ``comm`` has the ranks of its mesh. By default the
+    quadrature of the mass is exact on affine cells.
     """
 
     def __init__(self, V: Any, comm: Any, mass_quadrature: int | None = None) -> None:
@@ -54,7 +54,7 @@ class LagrangeMatrices:
         return int(self._mesh.geometry.dim)
 
     def stiffness(self, elasticity: Elasticity) -> Any:
-        """Elastic stiffness (N/m), symmetric."""
+        """Return the elastic stiffness (N/m), symmetric."""
         every = range(self.dim)
         integral, x, put = self._gradients(2, elasticity.varies)
         matrix = create_matrix(integral)
@@ -78,12 +78,12 @@ class LagrangeMatrices:
         return self._matrix(_coupled(rows, blocks))
 
     def mass(self, rho: float) -> Any:
-        """Consistent mass (kg), symmetric; components are not coupled."""
+        """Return the consistent mass (kg), symmetric, without coupling of components."""
         rows, transposed = self._products(self._mass_quadrature)
         return self._of_each_component(rows, 0.5 * rho * (rows.data + transposed))
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
-        """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make (N/m)."""
+        """Return the geometric stiffness int sigma_ij d_i u . d_j v of a displacement (N/m)."""
         integral, x, put = self._gradients(3, varies=True)
         slopes = [self._at_points(ufl.grad(u), 3) for u in self._functions(displacement)]
         with agreed(self.comm):
@@ -92,7 +92,7 @@ class LagrangeMatrices:
         return self._of_each_component(rows, 0.5 * (rows.data + transposed))
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.motion`), kg, skew."""
+        """Return Y at 1 rad/s (:mod:`cea.motion`), kg, skew."""
         degree = 2 * self._order + 1
         rows, transposed = self._transport(rotation, degree)
         skew = rho * (rows.data - transposed)
@@ -105,7 +105,7 @@ class LagrangeMatrices:
         )
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.motion`), kg, symmetric."""
+        """Return Z of :mod:`cea.motion`, kg, symmetric."""
         v, degree = self._velocity(rotation), 2 * self._order + 2
         along = [ufl.dot(v, ufl.grad(each)) for each in (self._trial, self._test)]
         rows, transposed = _scalar(self._form(along[0] * along[1], degree))
@@ -124,12 +124,11 @@ class LagrangeMatrices:
     def _gradients(
         self, factors: int, varies: bool
     ) -> tuple[Form, Floats, Callable[[Floats], None]]:
-        """Int T grad phi_n . grad phi_m, a product of so many gradients with T.
+        """Return the form int T grad phi_n . grad phi_m, the points of T, and its setter.
 
-        Beside the form the points at which T is wanted (m), (dim, n), and what sets it there,
-        given as (dim, dim, n): points of the quadrature where T varies, else one that is not
-        looked at. Gradients have one degree less than functions, but on boxes along one direction
-        only.
+        The integrand has ``factors`` gradients, those in T included. T is needed at points (m),
+        (dim, n), and set as (dim, dim, n): quadrature points if it varies, else one arbitrary
+        point. Gradients have one degree less than functions, in boxes along one direction only.
         """
         degree, shape = self._degree(factors), (self.dim, self.dim)
         if varies:
@@ -152,11 +151,11 @@ class LagrangeMatrices:
         return self._form(integrand, degree), x, put
 
     def _degree(self, factors: int) -> int:
-        """Degree of the quadrature of a product of so many gradients."""
+        """Return the quadrature degree of a product of ``factors`` gradients."""
         return factors * (self._order - self._is_simplex)
 
     def _at_points(self, expression: Any, factors: int) -> Floats:
-        """A vector at the points of the quadrature of so many gradients, (dim, n)."""
+        """Return a vector at the quadrature points of ``factors`` gradients, (dim, n)."""
         points, _ = make_quadrature(self._mesh.basix_cell(), self._degree(factors))
         cells = self._mesh.topology.index_map(self._mesh.topology.dim)
         every = np.arange(cells.size_local + cells.num_ghosts, dtype=np.int32)
@@ -164,12 +163,12 @@ class LagrangeMatrices:
         return found.reshape(-1, self.dim).T
 
     def _products(self, degree: int | None = None) -> tuple[csr_array, Floats]:
-        """Int phi_m phi_n, exact on affine cells by default."""
+        """Return int phi_m phi_n, by default exact on affine cells."""
         degree = 2 * self._order if degree is None else degree
         return _scalar(self._form(self._trial * self._test, degree))
 
     def _transport(self, rotation: Rotation, degree: int) -> tuple[csr_array, Floats]:
-        """Int phi_m v . grad phi_n with the velocity v of a rotation."""
+        """Return int phi_m v . grad phi_n with the velocity v of a rotation."""
         along = ufl.dot(self._velocity(rotation), ufl.grad(self._trial))
         return _scalar(self._form(along * self._test, degree))
 
@@ -178,13 +177,13 @@ class LagrangeMatrices:
         return form(integrand * measure, jit_options=dict(_JIT_OPTIONS))
 
     def _velocity(self, rotation: Rotation) -> Any:
-        """Velocity a x r of a rotation at 1 rad/s (m)."""
+        """Return the velocity a x r of a rotation at 1 rad/s (m)."""
         spin = Constant(self._mesh, rotation.spin(self.dim))
         origin = Constant(self._mesh, np.asarray(rotation.origin[: self.dim], dtype=float))
         return ufl.dot(spin, ufl.SpatialCoordinate(self._mesh) - origin)
 
     def _functions(self, displacement: Floats) -> list[Function]:
-        """Components of a displacement of all dofs."""
+        """Return the components of a displacement of all dofs as functions."""
         first, last = self.scalar.dofmap.index_map.local_range
         own = displacement[self.dim * first : self.dim * last].reshape(-1, self.dim)
         functions = []
@@ -196,7 +195,7 @@ class LagrangeMatrices:
         return functions
 
     def _of_each_component(self, rows: csr_array, values: Floats) -> Any:
-        """Matrix of components that are not coupled, by the same values at scalar entries."""
+        """Return a matrix with the same scalar entries in each component."""
         count, columns = rows.shape
         scalar = csr_array((values, rows.indices, rows.indptr), shape=rows.shape)
         repeated = csr_array(scalar[np.repeat(np.arange(count), self.dim)])
@@ -205,12 +204,12 @@ class LagrangeMatrices:
         return self._matrix(csr_array(entries, shape=(self.dim * count, self.dim * columns)))
 
     def _matrix(self, rows: csr_array) -> Any:
-        """PETSc AIJ matrix of the rows of every rank."""
+        """Return the PETSc AIJ matrix of the rows of all ranks."""
         return distributed(rows, rows.shape, self.comm, shared=True)
 
 
 def _scalar(integral: Form) -> tuple[csr_array, Floats]:
-    """Scalar matrix of a form, as :func:`_integrated`."""
+    """Assemble a scalar form; return what :func:`_integrated` returns."""
     matrix = create_matrix(integral)
     found = _integrated(integral, matrix)
     destroy(matrix)
@@ -218,7 +217,7 @@ def _scalar(integral: Form) -> tuple[csr_array, Floats]:
 
 
 def _integrated(integral: Form, matrix: Any) -> tuple[csr_array, Floats]:
-    """Rows of this rank of a scalar form, and the values of its transpose at the same entries."""
+    """Return this rank's rows of a scalar form, and values of its transpose at these entries."""
     matrix.zeroEntries()
     assemble_matrix(matrix, integral)
     matrix.assemble()
@@ -229,12 +228,12 @@ def _integrated(integral: Form, matrix: Any) -> tuple[csr_array, Floats]:
 
 
 def _times(values: Floats, block: Floats) -> Floats:
-    """Block (dim, dim) times each value, (n, dim, dim)."""
+    """Return each value times a block (dim, dim), shape (n, dim, dim)."""
     return values[:, None, None] * block
 
 
 def _coupled(pattern: csr_array, blocks: Floats) -> csr_array:
-    """Rows of all components from a block (dim, dim) for each nonzero of scalar rows."""
+    """Return rows of all components from a block (dim, dim) per nonzero of scalar rows."""
     rows, columns = pattern.shape
     shape = (rows * blocks.shape[1], columns * blocks.shape[2])
     return csr_array(bsr_array((blocks, pattern.indices, pattern.indptr), shape=shape).tocsr())

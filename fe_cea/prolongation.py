@@ -1,10 +1,10 @@
-"""Prolongation between two Lagrange discretisations of one body: coarse functions at fine nodes.
+"""Prolongation between two Lagrange discretisations of a body: coarse functions at fine nodes.
 
-Nodes are located in the cells of the coarse mesh, and moved into the nearest one where a curved
-boundary of the fine mesh lies outside. It is exact where each fine cell lies in a coarse one whose
-map it continues, and has at least its degree: the same mesh with a higher degree and the same
-geometry, or cells divided whose maps are affine. Between curved meshes it is as good as their
-geometries agree, and interpolation between others.
+Fine nodes are located in the cells of the coarse mesh; nodes outside it, at curved boundaries, are
+moved to the nearest cell. Prolongation is exact if each fine cell lies in a coarse cell, has at
+least its degree and the restriction of its map: for higher degree on the same mesh and geometry,
+or for divided affine cells. Otherwise it interpolates, and between curved meshes is as accurate as
+their geometries agree.
 """
 
 from typing import Any
@@ -16,16 +16,16 @@ from cea.errors import InputError
 from fe_cea.cell_location import Cells
 
 _ROUNDING = 1e-14
-"""Values of functions that are dropped."""
+"""Function values below which entries are dropped."""
 _SAME = 0.5
-"""Distance, relative to the size of a cell, within which a body is the same in both meshes."""
+"""Distance, relative to the cell size, above which the meshes are of different bodies."""
 
 
 def prolongation(coarse: Any, fine: Any, comm: Any, field: str) -> csr_array:
-    """Prolongation from one space of a body to another; collective."""
+    """Return the prolongation from one space of a body to another; collective."""
     before, dim = coarse.mesh.geometry.dim, fine.mesh.geometry.dim
     if before != dim:
-        raise InputError(field, f"{dim} dimensions", f"{before}, as the coarse body has")
+        raise InputError(field, f"{dim} dimensions", f"{before}, the dimension of the coarse body")
     cells = Cells.of(coarse)
     first, last = fine.dofmap.index_map.local_range
     nodes = fine.tabulate_dof_coordinates()[: last - first, :dim]

@@ -1,14 +1,14 @@
-"""How far facets lie from a smooth surface that nobody told: estimated from angles between them.
+"""Distance of facets from an unknown smooth surface, estimated from angles between them.
 
-Two neighbours whose normals differ by t along their common edge, and that reach L and L' across it,
-lie on a surface of curvature 2 t / (L + L') there. The arc of that curvature leaves a chord of
-length L by
+Two neighbours whose normals differ by the angle t along their common edge, and that extend by L and
+L' normal to it, lie on a surface of curvature 2 t / (L + L') there. The sagitta of a chord of
+length L is
 
     e = t L^2 / (4 (L + L')),
 
-the sagitta, which is L t / 8 among equals. Of curved facets, whose normals differ by less, this is
-more than their distance: four times it on a circle where they are quadratic. Curvatures along both
-directions of a surface add up. Where normals differ by more than 50 degrees bodies have an edge.
+which is L t / 8 for equal facets. For curved facets, whose normals differ by less, this exceeds the
+distance: by a factor of four for quadratic facets on a circle. Sagittas along both directions of a
+surface add up. Normals that differ by more than 50 degrees belong to an edge of the body.
 """
 
 from typing import Any
@@ -24,22 +24,22 @@ _ACROSS = {
     basix.CellType.triangle: ((0,), (1,), (2,)),
     basix.CellType.quadrilateral: ((0, 3), (1, 2)),
 }
-"""Edges (ends in 2D) of the reference facet that the same direction crosses."""
+"""Edges (ends in 2D) of the reference facet that are crossed in the same direction."""
 
 
 def sagittas(kind: Any, nodes: Floats, dofs: Ints, normals: Floats) -> Floats:
-    """Estimated distance (m) of facets of a kind from the smooth surface they stand for, (n,).
+    """Return the estimated distance (m) of facets from the smooth surface, (n,).
 
-    Of their nodes (m), (n, n_nodes, dim), dofs, and outward unit normals at their corners,
-    (n, n_corners, dim).
+    ``kind`` is the facet type, ``nodes`` (m), (n, n_nodes, dim), ``normals`` are outward unit
+    normals at the corners, (n, n_corners, dim).
     """
-    corners = np.array(basix.topology(kind)[nodes.shape[2] - 2])  # of each edge
+    corners = np.array(basix.topology(kind)[nodes.shape[2] - 2])  # corners of each edge
     reach = _reach(nodes, corners)
     found = np.zeros(reach.shape)
     (facet, edge), (other, its_edge) = _neighbours(dofs, corners)
     angle = np.zeros(len(facet))
     for k in range(corners.shape[1]):
-        for own, others in ((k, k), (k, -1 - k)):  # neighbours may list them the other way round
+        for own, others in ((k, k), (k, -1 - k)):  # neighbours may list them in reverse
             mine, its = corners[edge, own], corners[its_edge, others]
             same = dofs[facet, mine] == dofs[other, its]
             turned = angles(normals[facet, mine], normals[other, its])
@@ -52,7 +52,7 @@ def sagittas(kind: Any, nodes: Floats, dofs: Ints, normals: Floats) -> Floats:
 
 
 def _reach(nodes: Floats, corners: Ints) -> Floats:
-    """How far each facet reaches from each of its edges (m), (n_facets, n_edges)."""
+    """Return the extent of each facet normal to each of its edges (m), (n_facets, n_edges)."""
     start, stop = nodes[:, corners[:, 0]], nodes[:, corners[:, -1]]
     arm = nodes[:, None] - start[:, :, None]
     along = stop - start
@@ -62,7 +62,7 @@ def _reach(nodes: Floats, corners: Ints) -> Floats:
 
 
 def _neighbours(dofs: Ints, corners: Ints) -> tuple[tuple[Ints, Ints], tuple[Ints, Ints]]:
-    """Facets with a common edge, each pair both ways: facets and their edges, (n,) each."""
+    """Return facets with a common edge and their edges, each pair in both orders, (n,) each."""
     ends = np.sort(dofs[:, corners], axis=2)
     _, group = np.unique(ends.reshape(-1, corners.shape[1]), axis=0, return_inverse=True)
     order = np.argsort(group, kind="stable")

@@ -1,4 +1,4 @@
-"""The cells of a Lagrange space as they are, on every rank whole, and their Jacobians."""
+"""Cells of a Lagrange space for visualisation, on every rank, and their Jacobians."""
 
 from typing import Any
 
@@ -15,13 +15,13 @@ from cea.errors import require
 from fe_cea.facets import geometry_element
 
 _FLAT = 1e-10
-"""Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
+"""Smallest Jacobian of a cell, relative to its largest, below which the cell is inverted."""
 
 
 def lagrange_cells(V: Any) -> VolumeCells:
-    """Cells of a Lagrange space on equally spaced nodes, shared nodes once; on every rank whole.
+    """Return cells of a Lagrange space on equally spaced nodes, complete on every rank.
 
-    Their degree is the higher one of space and geometry, so that both are held exactly.
+    Their degree is the higher one of space and geometry, so that both are represented exactly.
     """
     mesh, dim = V.mesh, V.mesh.geometry.dim
     degree = max(V.ufl_element().degree, geometry_element(mesh).degree)
@@ -51,7 +51,7 @@ def lagrange_cells(V: Any) -> VolumeCells:
 
 
 def _values(V: Any, W: Any) -> csr_array:
-    """Values of the scalar functions of V at the owned nodes of W, global numbers as columns."""
+    """Return the scalar functions of V at the owned nodes of W; columns are global dofs."""
     matrix = interpolation_matrix(V, W)
     matrix.assemble()
     indptr, indices, data = matrix.getValuesCSR()
@@ -63,7 +63,7 @@ def _values(V: Any, W: Any) -> csr_array:
 
 
 def _in_right_handed_order(cells: Ints, lattice: Ints, points: Floats) -> Ints:
-    """Cells in C order of their lattice, those of negative volume with x and y exchanged."""
+    """Return cells with positive volume: x and y are exchanged in those of negative volume."""
     dim, degree = lattice.shape[1], lattice.max()
     corners = degree * np.vstack([np.zeros(dim, dtype=int), np.eye(dim, dtype=int)])
     at = [int(np.flatnonzero((lattice == corner).all(axis=1))[0]) for corner in corners]
@@ -73,7 +73,7 @@ def _in_right_handed_order(cells: Ints, lattice: Ints, points: Floats) -> Ints:
 
 
 def check_jacobians(mesh: Any, field: str) -> None:
-    """Refuse cells of this rank whose Jacobian at Gauss points changes sign or vanishes."""
+    """Raise InputError if the Jacobian of a cell of this rank changes sign or vanishes."""
     element = geometry_element(mesh)
     points, _ = basix.make_quadrature(mesh.basix_cell(), 2 * element.degree + 1)
     slopes = element.tabulate(1, points)[1:, :, :, 0]

@@ -1,4 +1,4 @@
-"""Displacements on Lagrange elements of dolfinx."""
+"""Displacement space of Lagrange elements (dolfinx)."""
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
@@ -42,20 +42,19 @@ class LagrangeSpace(LagrangeMatrices):
     degree
         Degree of the space, 1 to 4.
     mass_quadrature
-        Degree of the quadrature of the mass; by default that which is exact on affine cells.
-        Programs that take fewer points have another mass: 2 is that of the four points of
-        quadratic tetrahedra in CalculiX.
+        Degree of the quadrature of the mass; by default exact on affine cells. Other programs use
+        fewer points: 2 is the degree of the four points of quadratic tetrahedra in CalculiX.
     true_surfaces
-        By name, surfaces that the facets interpolate, the same on every rank: initial gaps of
-        contacts are theirs. Where one is not known, its distance from the facets is estimated from
-        the angles between these, and initial gaps that are not above it count as zero.
+        Exact surfaces by name, the same on every rank, which the facets interpolate: initial gaps
+        are measured between them. If one is unknown, its distance from the facets is estimated from
+        the angles between these, and smaller initial gaps are set to zero.
     field
         Name of the body in messages.
 
     Raises
     ------
     InputError
-        When the degree is not 1 to 4, that of a quadrature is negative, cells are inverted, or a
+        If the degree is not 1 to 4, a quadrature degree is negative, cells are inverted, or a
         surface has no facets.
     """
 
@@ -77,7 +76,7 @@ class LagrangeSpace(LagrangeMatrices):
         self.comm = lasting_communicator(mesh.comm)
         for surface, tag in surface_tags.items():
             there = self.comm.allreduce(len(facet_tags.find(tag))) > 0
-            require(there, f"{field}.surfaces.{surface}", tag, "the tag of some facets")
+            require(there, f"{field}.surfaces.{surface}", tag, "the tag of at least one facet")
         with agreed(self.comm):
             check_jacobians(mesh, f"{field}.mesh")
         self._field = field
@@ -96,21 +95,21 @@ class LagrangeSpace(LagrangeMatrices):
         field: str = "body",
         comm: Any = MPI.COMM_WORLD,
     ) -> Self:
-        """Space of a mesh given as plain arrays, whose named surfaces become its surfaces.
+        """Return the space of a mesh given as plain arrays, with its named surfaces.
 
         Parameters
         ----------
         mesh
-            The mesh; only that of rank 0 is read, other ranks may give None.
+            The mesh; only that of rank 0 is used, other ranks may pass None.
         comm
-            Communicator to spread the mesh over.
+            Communicator over which to distribute the mesh.
         degree, mass_quadrature, true_surfaces, field
             As for :class:`LagrangeSpace`.
 
         Raises
         ------
         InputError
-            When rank 0 has no mesh, or as for :class:`LagrangeSpace`.
+            If rank 0 has no mesh, or as for :class:`LagrangeSpace`.
         """
         return cls(
             *distribute(mesh, comm, f"{field}.mesh"),
@@ -135,16 +134,16 @@ class LagrangeSpace(LagrangeMatrices):
         }
 
     def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
-        """What supports leave free of the nodes."""
+        """Return the constraints of supports at the nodes."""
         surfaces = self.surfaces if supports else {}
         count = self.scalar.dofmap.index_map.size_global
         return nodal_constraints(self.scalar, surfaces, supports, count, field)
 
     @property
     def dof_positions(self) -> Floats | None:
-        """Nodes (m) on every rank, shape (num_scalar_dofs, dim); None where cells are curved more.
+        """Nodes (m) on every rank, shape (num_scalar_dofs, dim).
 
-        Of a geometry of higher degree than the space, x is no function of the space.
+        None if the geometry has a higher degree than the space, which then does not contain x.
         """
         if self.scalar.mesh.geometry.cmaps[0].degree > self.scalar.ufl_element().degree:
             return None
@@ -153,12 +152,12 @@ class LagrangeSpace(LagrangeMatrices):
         return np.concatenate(self.comm.allgather(own))
 
     def prolongation(self, coarse: "LagrangeSpace") -> csr_array:
-        """Functions of the space of a coarser mesh (:mod:`fe_cea.prolongation`)."""
+        """Return the functions of a coarser space (:mod:`fe_cea.prolongation`)."""
         return prolongation(coarse.scalar, self.scalar, self.comm, f"{self._field}.mesh")
 
     def volume_cells(self) -> VolumeCells:
-        """Lagrange cells of the degree of the space, or of the geometry where higher; collective.
+        """Return Lagrange cells of the higher degree of space and geometry; collective.
 
-        Complete on every rank.
+        They are complete on every rank.
         """
         return lagrange_cells(self.scalar)

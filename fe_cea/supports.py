@@ -1,4 +1,4 @@
-"""Supports of a Lagrange body: directions held at its interpolation nodes."""
+"""Supports of a Lagrange body: constrained directions at its interpolation nodes."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -15,7 +15,7 @@ from fe_cea.facets import FacetBasis
 from fe_cea.surface import FESurface
 
 _CREASE = np.cos(np.deg2rad(40.0))
-"""Facets whose normals at a node differ by more are faces that meet at an edge of the body."""
+"""Cosine between normals at a node below which facets belong to different faces."""
 
 
 def nodal_constraints(
@@ -25,13 +25,12 @@ def nodal_constraints(
     num_scalar_dofs: int,
     field: str,
 ) -> Constraints:
-    """Hold the directions of the supports at every node of their surfaces.
+    """Return the constraints of the supports at every node of their surfaces.
 
-    The normal at a node is the mean over the facets there that belong to surfaces on rollers and
-    turn by less than 40 degrees from one to the next, as facets of one curved face do; faces that
-    meet at a sharper edge hold a direction each. Facets of a round rim are polynomials: normal to
-    them, a rotation about the axis is held as weakly as they err from a circle, by radial not at
-    all.
+    The normal at a node is the mean over its facets on surfaces with rollers whose normals differ
+    by less than 40 degrees, as on one curved face; faces that meet at a sharper edge constrain one
+    direction each. Facets of a circular boundary are polynomials: their normals constrain the
+    rotation about the axis weakly, by their deviation from a circle; radial components do not.
     """
     dim = V.mesh.geometry.dim
     points = FacetBasis(V.ufl_element().basix_element).facet.points
@@ -53,7 +52,7 @@ def nodal_constraints(
 
 
 def _nodes(surface: FESurface, points: Floats) -> tuple[Ints, Floats, Floats]:
-    """Nodes of every facet of a surface: scalar dofs, positions, outward normals."""
+    """Return the nodes of all facets of a surface: scalar dofs, positions, outward normals."""
     at, _ = surface.cells().coordinates(points)
     trace = surface.trace(at)
     # A Lagrange function is one at its own node, zero at the others of its facet.
@@ -63,7 +62,7 @@ def _nodes(surface: FESurface, points: Floats) -> tuple[Ints, Floats, Floats]:
 
 
 def _mean_normals(normals: Directions, field: str) -> Directions:
-    """One direction for all normals that are near at a node, held by each of their supports."""
+    """Return one direction for all near normals at a node, shared by all their supports."""
     label = merged(normals, _CREASE)
     count = label.max(initial=-1) + 1
     mean = np.zeros((count, normals.direction.shape[1]))

@@ -31,13 +31,13 @@ _OUTLINES = {
 class FESurface(Surface):
     """Surface of a Lagrange body.
 
-    Where facets meet at an angle, a point on their common edge has the normal of the facet whose
-    coordinates it bears. Of points that several facets of a smooth part share there is one, on the
-    first facet; at a corner each smooth part has its own.
+    Where facets meet at an angle, a point on their common edge has the normal of the facet of its
+    coordinates. A point shared by several facets of a smooth part is kept once, on the first facet;
+    at a corner each smooth part has its own point.
 
-    Facet coordinates xi live on the unit interval, triangle or square; the point is
-    ``corner + edges xi`` of the local facet in the reference cell. A surface is made of a scalar
-    Lagrange space V and boundary facets of this rank (dolfinx); that is collective.
+    Facet coordinates xi are in the unit interval, triangle or square; the point is
+    ``corner + edges xi`` of the local facet in the reference cell. A surface is constructed from a
+    scalar Lagrange space V and boundary facets of this rank (dolfinx); this is collective.
     """
 
     abscissa_kinds = ("nodes",)
@@ -64,7 +64,7 @@ class FESurface(Surface):
         extent = np.ptp(midpoint, axis=0).max(initial=0) or 1.0
         order = np.lexsort(np.round(midpoint / extent, 9).T[::-1])
         # Of the cell behind each facet: geometry nodes (m), (n, n_geometry, dim), global scalar
-        # dofs, (n, n_dofs), and the number of the facet in it, (n,).
+        # dofs, (n, n_dofs), and the local number of the facet, (n,).
         self._nodes, self._dofs, self._local = nodes[order], dofs[order], local[order]
         self._facet_nodes = self._on_facets(self._nodes, self._geometry, self._local)
         self._facet_dofs = self._on_facets(self._dofs[..., None], self._trace, self._local)[..., 0]
@@ -72,7 +72,7 @@ class FESurface(Surface):
 
     @staticmethod
     def _on_facets(of_cells: Any, basis: FacetBasis, local: Ints) -> Any:
-        """What belongs to the dofs of cells, (n, dofs, k), at those of their facets."""
+        """Return data at the dofs of cells, (n, dofs, k), restricted to those of their facets."""
         return np.take_along_axis(of_cells, basis.closure[local][:, :, None], axis=1)
 
     @cached_property
@@ -90,7 +90,7 @@ class FESurface(Surface):
         return SurfaceCells(np.arange(self.num_elements), corners, degree, tensor)
 
     def cells(self) -> SurfaceCells:
-        """The facets."""
+        """Return the facets."""
         return self._cells
 
     @cached_property
@@ -100,7 +100,7 @@ class FESurface(Surface):
 
     @property
     def _area_points(self) -> SurfacePoints:
-        """Gauss points for the area, on flat facets exact for squares of traces too."""
+        """Gauss points for the area, exact on flat facets also for squares of traces."""
         return self.gauss_points(self._geometry.cell.degree + max(3, self._trace.cell.degree))
 
     @cached_property
@@ -110,11 +110,11 @@ class FESurface(Surface):
         return np.linalg.norm(nodes[:, :, None] - nodes[:, None, :], axis=3).max(axis=(1, 2))
 
     def size(self, element: Ints) -> Floats:
-        """Diameter (m) of each facet, (n,)."""
+        """Return the diameter (m) of each facet, (n,)."""
         return self._sizes[element]
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
-        """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
+        """Return positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
         n, dim = len(element), self.dim
         x, dx = np.empty((n, dim)), np.empty((n, dim, dim - 1))
         for rows in chunks(n, 16 * dim * self._facet_nodes.shape[1]):
@@ -125,7 +125,7 @@ class FESurface(Surface):
 
     @cached_property
     def _orientation(self) -> Floats:
-        """Sign that turns the cross product of a facet's tangents outward, (n,)."""
+        """Sign for which the cross product of a facet's tangents points outward, (n,)."""
         everywhere = np.arange(self.num_elements)
         centre = np.full((self.num_elements, self.dim - 1), 1 / self.dim)
         _, tangents = self.tangents(everywhere, centre)
@@ -135,7 +135,7 @@ class FESurface(Surface):
         return np.sign(np.einsum("ni,ni->n", cross(tangents), pushed))
 
     def area_normals(self, at: SurfaceCoordinates) -> tuple[Floats, Floats, Floats]:
-        """Positions, outward unit normals, and area per area of xi."""
+        """Return positions, outward unit normals, and area per area of xi."""
         x, tangents = self.tangents(at.element, at.xi)
         normal = self._orientation[at.element, None] * cross(tangents)
         area = np.linalg.norm(normal, axis=1)
@@ -147,20 +147,20 @@ class FESurface(Surface):
         return self._facet_dofs.ravel()
 
     def function_points(self, kind: str) -> SurfaceCoordinates:
-        """Interpolation nodes of every facet, facet by facet."""
+        """Return the interpolation nodes of every facet, facet by facet."""
         return self.cells().coordinates(self._trace.facet.points)[0]
 
     def values(self, at: SurfaceCoordinates, columns: Ints, count: int) -> csr_array:
-        """Values of the functions of the nodes of facets; all others vanish there."""
+        """Return the values of facet functions; all other functions vanish there."""
         numbers = columns.reshape(self._facet_dofs.shape)[at.element]
         return self._rows(self._trace_values(at.xi), numbers, count)
 
     def _trace_values(self, xi: Floats) -> Floats:
-        """Values at facet coordinates of the basis functions of a facet, (n, n_dofs)."""
+        """Return the values of a facet's basis functions at facet coordinates, (n, n_dofs)."""
         return self._trace.facet.tabulate(0, xi)[0, :, :, 0]
 
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
-        """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
+        """Return derivatives of the scalar basis along x, y, z, each (n, num_scalar_dofs)."""
         element, xi, n, dim = self.known(at), at.xi, len(at), self.dim
         columns = self._dofs[element]
         gradients = np.empty((dim, n, columns.shape[1]))
@@ -173,26 +173,26 @@ class FESurface(Surface):
         return tuple(self._rows(g, columns, self.num_scalar_dofs) for g in gradients)
 
     def _reference_points(self, element: Ints, xi: Floats) -> Floats:
-        """Points of facets in their reference cells, (n, dim)."""
+        """Return points of facets in their reference cells, (n, dim)."""
         corners, edges = reference_facets(self._geometry.cell.cell_type)
         local = self._local[element]
         return corners[local] + np.einsum("nij,nj->ni", edges[local], xi)
 
     def _cell_jacobian(self, element: Ints, reference: Floats) -> Floats:
-        """Derivatives dx_i/dX_j of the cell maps, (n, dim, dim)."""
+        """Return derivatives dx_i/dX_j of the cell maps, (n, dim, dim)."""
         table = self._geometry.cell.tabulate(1, reference)[1:, :, :, 0]
         return np.einsum("jnk,nki->nij", table, self._nodes[element])
 
     def _rows(self, values: Floats, columns: Ints, count: int) -> csr_array:
         n, per_row = values.shape
         starts = np.arange(0, n * per_row + 1, per_row)
-        entries = (values.ravel(), columns.ravel().copy(), starts)  # put in order in place
+        entries = (values.ravel(), columns.ravel().copy(), starts)  # sorted in place below
         rows = csr_array(entries, shape=(n, count))
         rows.sort_indices()
         return rows
 
     def join_smoothly(self, at: SurfaceCoordinates, pairs: Ints) -> NDArray[np.bool_]:
-        """Whether the facets of pairs of points join smoothly."""
+        """Return whether the facets of pairs of points join smoothly."""
         n = self.num_elements
         one, other = np.sort(at.element[pairs], axis=1).T
         return np.isin(one * n + other, self._smooth_pairs @ np.array([n, 1]))
@@ -206,9 +206,9 @@ class FESurface(Surface):
         return smooth_pairs(dofs, normals, on_side)
 
     def shares(self) -> Floats:
-        """Each facet's area shared among its nodes in proportion to int N_i^2.
+        """Return area weights: each facet's area is shared in proportion to int N_i^2.
 
-        As Hinton, Rock & Zienkiewicz 1976 lump a mass: positive where integrals of N_i are not.
+        The lumping of Hinton, Rock & Zienkiewicz 1976: positive where integrals of N_i are not.
         """
         points = self._area_points
         n = len(points) // self.num_elements
@@ -219,7 +219,7 @@ class FESurface(Surface):
         return np.bincount(self.functions, weights=parts.ravel())
 
     def geometry_error(self, at: SurfaceCoordinates) -> Floats:
-        """Estimated distance (m) of the true surface from facets where it is not known, (n,)."""
+        """Return the estimated distance (m) of facets from an unknown exact surface, (n,)."""
         if self._true is not None:
             return np.zeros(len(at))
         return self._sagittas[self.known(at)]

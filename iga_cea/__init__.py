@@ -1,6 +1,6 @@
-"""NURBS backend: joined patches, refined, assembled and traced on surfaces.
+"""NURBS backend: refinement of joined patches, assembly, and traces on surfaces.
 
-Takes plain geometry (knots, control points, weights, named faces) and knows no other backend.
+Its input is plain geometry (knots, control points, weights, named faces).
 """
 
 from iga_cea.space import NurbsSpace

@@ -1,4 +1,4 @@
-"""The whole of a body of patches: Bezier elements of its knot spans."""
+"""Bezier elements of the knot spans of a multipatch body, for visualisation."""
 
 from functools import reduce
 
@@ -14,11 +14,11 @@ from iga_cea.splines import insertion_matrix
 
 
 def bezier_cells(multipatch: Multipatch) -> VolumeCells:
-    """Bezier elements of all patches; spans of one patch share points, patches do not.
+    """Return Bezier elements of all patches; spans share points within a patch only.
 
-    Knots inserted until each is as frequent as the degree turn a patch into Bezier elements
-    (Borden, Scott, Evans & Hughes, Isogeometric finite element data structures based on Bezier
-    extraction of NURBS, 2011). Their degree is then raised to the highest one of any direction.
+    Inserting knots up to multiplicity p turns a patch into Bezier elements (Borden, Scott, Evans &
+    Hughes, Isogeometric finite element data structures based on Bezier extraction of NURBS, 2011).
+    Degrees are then elevated to the highest one of any direction.
     """
     degree = max(max(patch.degrees) for patch in multipatch.patches)
     cells, values, weights, count = [], [], [], 0
@@ -44,10 +44,10 @@ def bezier_cells(multipatch: Multipatch) -> VolumeCells:
 
 
 def _extraction(patch: Patch, degree: int) -> tuple[csr_array, Floats]:
-    """Bezier coefficients from those of the rational basis, (points, functions), and weights."""
+    """Return the map from rational to Bezier coefficients, (points, functions), and weights."""
     factors = []
     for knots, breaks, p in zip(patch.knots, patch.breaks, patch.degrees, strict=True):
-        # On knots as frequent as the degree every span has its own polynomials.
+        # With knots of multiplicity p every span has its own polynomials.
         frequency = [p + 1, *[p] * (len(breaks) - 2), p + 1]
         extraction = csr_array(insertion_matrix(knots, p, np.repeat(breaks, frequency)))
         factors.append(_elevation(len(breaks) - 1, p, degree) @ extraction)
@@ -59,11 +59,11 @@ def _extraction(patch: Patch, degree: int) -> tuple[csr_array, Floats]:
 
 
 def _elevation(spans: int, p: int, q: int) -> csr_array:
-    """Bezier coefficients of degree q from those of degree p, spans sharing their ends."""
+    """Return the map of Bezier coefficients from degree p to q; spans share their ends."""
     i, j = np.arange(q + 1)[:, None], np.arange(p + 1)
     table = comb(p, j) * comb(q - p, i - j) / comb(q, i)
     span = np.arange(spans)[:, None, None]
-    # The point between two spans belongs to the second one; the last span has its end too.
+    # The point between two spans belongs to the second; the last span also has its end.
     own = np.broadcast_to((i < q) | (span == spans - 1), (spans, q + 1, p + 1))
     own = own & (table > 0)
     rows = np.broadcast_to(q * span + i, own.shape)[own]
@@ -73,9 +73,9 @@ def _elevation(spans: int, p: int, q: int) -> csr_array:
 
 
 def _elements(counts: list[int], degree: int, points: Floats) -> Ints:
-    """Points of each Bezier element of a patch in C order, right-handed, (elements, points).
+    """Return the points of each right-handed Bezier element in C order, (elements, points).
 
-    The first parameter of left-handed patches is reversed.
+    In left-handed patches the first parameter is reversed.
     """
     numbers = np.arange(len(points)).reshape(counts)
     size = (degree + 1,) * len(counts)

@@ -1,9 +1,9 @@
-"""Collapsed edges: lines of a net whose control points coincide, as at the axis of a polar patch.
+"""Collapsed edges: rows of a control net whose points coincide, as on the axis of a polar patch.
 
-The coinciding points of a line are one scalar dof, whose function is the sum of theirs: then the
-displacement has one value where the patch has one point (Takacs & Juettler, Existence of stiffness
-matrix integrals for singularly parameterized domains, 2011). Only elements beside such lines are
-concerned.
+The coinciding points of a row share one scalar dof, whose function is the sum of theirs, so that
+the displacement is single-valued where the map is (Takacs & Juettler, Existence of stiffness
+matrix integrals for singularly parameterized domains, 2011). Only elements next to such rows are
+affected.
 """
 
 import numpy as np
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from cea.arrays import Floats, Ints
 
 COLLAPSED = 1e-10
-"""Distance at which control points of a line coincide, relative to the diagonal of the net."""
+"""Distance, relative to the diagonal of the net, below which control points coincide."""
 
 Lines = tuple[NDArray[np.bool_], ...]
 
 
 def collapsed_lines(control_points: Floats) -> Lines:
-    """True for the collapsed lines of a net along each axis, in the shape of its other axes."""
+    """Return True for the collapsed rows of a net along each axis, shaped as its other axes."""
     dim = control_points.shape[-1]
     diagonal = np.linalg.norm(np.ptp(control_points.reshape(-1, dim), axis=0))
     extents = [np.linalg.norm(np.ptp(control_points, axis=k), axis=-1) for k in range(dim)]
@@ -26,14 +26,14 @@ def collapsed_lines(control_points: Floats) -> Lines:
 
 
 def face_is_collapsed(lines: Lines, axis: int, side: int) -> bool:
-    """True when a face is no more than an edge or a point."""
+    """Return whether a face is collapsed to an edge or a point."""
     others = [k for k in range(len(lines)) if k != axis]
-    # The lines along k lack axis k: what lies behind it has moved up by one.
+    # The array of rows along k has no axis k: later axes are shifted by one.
     return any(bool(np.take(lines[k], -side, axis=axis - (axis > k)).all()) for k in others)
 
 
 def coinciding(lines: Lines, numbers: Ints) -> Ints:
-    """Pairs of control points that coincide, shape (n, 2)."""
+    """Return pairs of control points that coincide, shape (n, 2)."""
     pairs = [np.empty((0, 2), dtype=np.int64)]
     for axis, collapsed in enumerate(lines):
         along = np.moveaxis(numbers, axis, -1)[collapsed]

@@ -1,8 +1,8 @@
-"""Entries of the matrix of a form on joined patches, exactly symmetric or skew on any ranks.
+"""Matrix entries of a form on joined patches, exactly symmetric or skew on any number of ranks.
 
-The rows of a rank are its own: it computes all that goes into them, from every patch, so that
-ranks have nothing to add up. With n components, the entries of a scalar row lie as n rows, in each
-the columns in turn with their n components.
+Each rank computes all contributions to its rows, from every patch, so that ranks need not sum
+anything. With n components, the entries of a scalar row are stored as n rows, each with the n
+components of every column in turn.
 """
 
 from typing import Any
@@ -25,9 +25,9 @@ def entries(
     *,
     sign: int = 1,
 ) -> Floats:
-    """Entries of the rows of this rank, flat."""
+    """Return the entries of the rows of this rank, flat."""
     n = form.components
-    # One more place takes the entries of partners that do not exist.
+    # An additional entry collects those of partners that do not exist.
     data = np.zeros((n * len(pattern.columns) + 1, n))
     with agreed(comm):
         for number in range(len(multipatch.patches)):
@@ -56,7 +56,7 @@ def _add_patch(
     place_of = (np.cumsum(rows >= 0) - 1).reshape(rows.shape)
     alone = len(multipatch.patches) == 1
     own = multipatch.dofs[number]
-    several = len(np.unique(own)) < own.size  # of functions for one dof, as at collapsed edges
+    several = len(np.unique(own)) < own.size  # several functions per dof, as at collapsed edges
     for box in pattern.boxes(number):
         for i, part, slab in slabs(patch_map, lines, form, box):
             here = (i, part, box[2])
@@ -79,7 +79,7 @@ def _add_patch(
 
 
 def _weights(weights: Floats, lines: Any, here: Any) -> Floats:
-    """Products of the weights of functions of a slab and of their partners."""
+    """Return products of the weights of the functions of a slab and their partners."""
     padded = np.pad(weights, [(line.degree, line.degree) for line in lines])
     windows = np.lib.stride_tricks.sliding_window_view(padded, [line.offsets for line in lines])
     own = windows[here].reshape(-1, int(np.prod([line.offsets for line in lines])))
@@ -87,15 +87,15 @@ def _weights(weights: Floats, lines: Any, here: Any) -> Floats:
 
 
 def _tuples(pattern: Pattern, at: Ints, row: Ints, n: int) -> Ints:
-    """Tuples of columns that scalar entries have in the first of their sparse rows.
+    """Return the tuples of scalar entries in the first of their n rows.
 
-    In the next row they are as many further as the row has entries.
+    In each following row they are shifted by the number of entries of the row.
     """
     return at + (n - 1) * pattern.starts[row]
 
 
 def _mirror(data: Floats, pattern: Pattern, n: int, sign: int) -> None:
-    """Entries below the diagonal from those above."""
+    """Copy the entries above the diagonal to those below."""
     tuples, rows = data.reshape(-1, n), pattern.row
     above, below = pattern.mirrored
     for part in chunks(len(above), 16 * n * (n + 4)):
@@ -122,19 +122,19 @@ def _mirror(data: Floats, pattern: Pattern, n: int, sign: int) -> None:
 def _exchange(
     data: Floats, multipatch: Multipatch, pattern: Pattern, n: int, sign: int, comm: Any
 ) -> None:
-    """Entries whose column is a lower rank's from that rank."""
+    """Receive the entries in columns of lower ranks from these ranks."""
     tuples, rows, ranges = data.reshape(-1, n), pattern.row, multipatch.dof_ranges
     outer = pattern.columns[pattern.num_inner :]
 
     def places(low: int, high: int, *, by_columns: bool) -> Ints:
-        """Tuples of entries with columns in a range, (entries, rows of them)."""
+        """Return tuples of entries with columns in a range, (entries, rows of each)."""
         at = pattern.num_inner + np.flatnonzero((outer >= low) & (outer < high))
         if by_columns:
             at = at[np.argsort(pattern.columns[at], kind="stable")]
         step = pattern.counts[rows[at]]
         return _tuples(pattern, at, rows[at], n)[:, None] + step[:, None] * np.arange(n)
 
-    # In the order of the rank that gets them, by its rows, which are columns here.
+    # In the order of the receiving rank: by its rows, which are columns here.
     send = [
         sign * tuples[places(*ranges[rank : rank + 2], by_columns=True)].swapaxes(1, 2)
         if rank > comm.rank

@@ -1,7 +1,7 @@
-"""One face of a patch: geometry, trace of the basis, and physical derivatives on it.
+"""Face of a patch: geometry, trace of the basis, and physical derivatives on it.
 
-With open knots only the layer of control points on the face has a value there, and only that layer
-and the one behind it a derivative. Both layers are all a face keeps.
+With open knots only the outermost layer of control points has values on the face, and only the two
+outermost layers have derivatives. A face stores these two layers.
 """
 
 from dataclasses import dataclass
@@ -16,25 +16,25 @@ from iga_cea.patch import Patch
 from iga_cea.splines import botella, greville, grid_points
 
 _SINGULAR = 1e-12
-"""Jacobian taken for zero, relative to the power of its longest tangent."""
+"""Jacobian, relative to a power of its longest tangent, below which it is singular."""
 
 _ROUNDING = 16 * np.finfo(float).eps
-"""Distance of control points from those of a flat face of even parameters that is rounding."""
+"""Relative distance of control points from an affine net that is treated as rounding."""
 
 _BESIDE = 1e-6
-"""How far from a collapsed edge limits are taken, relative to half the range of a parameter."""
+"""Distance from a collapsed edge at which limits are evaluated, in half parameter ranges."""
 
 
 @dataclass(frozen=True)
 class PatchFace:
-    """A face of a patch with its two outermost layers of control points.
+    """Face of a patch with its two outermost layers of control points.
 
-    The outward parameter eta is the patch parameter across the face, turned and scaled so that the
-    outermost spline has derivative 1 there; the next one then has -1. Physical derivatives and
-    normals do not depend on its scale.
+    The outward parameter eta is the patch parameter normal to the face, oriented and scaled so that
+    the outermost spline has derivative 1 on the face, and the next one -1. Physical derivatives and
+    normals do not depend on this scale.
     """
 
-    # which face it is
+    # identification of the face
     patch: int
     axis: int
     side: int
@@ -43,17 +43,17 @@ class PatchFace:
     control_points: Floats  # control points (m) on the face and behind it, shape (n1, ..., 2, dim)
     weights: Floats  # their weights, shape (n1, ..., 2)
     dofs: Ints  # their scalar dofs, shape (n1, ..., 2)
-    shape: FaceShape  # its map before knots were inserted, which goes on beyond its edges
+    shape: FaceShape  # its map before knot insertion, for extrapolation beyond its edges
 
     @classmethod
     def of(cls, patch: Patch, dofs: Ints, end: tuple[int, int, int]) -> "PatchFace":
-        """Cut a face from a patch."""
+        """Return the face at an end (patch, axis, side)."""
         number, axis, side = end
         layers = [0, 1] if side == 0 else [-1, -2]
         rest = [k for k in range(patch.dim) if k != axis]
 
         def outer(net: np.ndarray) -> np.ndarray:
-            """Two outermost layers of a net, their axis behind the remaining ones."""
+            """Return the two outermost layers of a net, with their axis last."""
             taken = np.take(net, layers, axis=axis)
             return np.ascontiguousarray(np.moveaxis(taken, axis, patch.dim - 1))
 
@@ -76,16 +76,16 @@ class PatchFace:
 
     @property
     def functions(self) -> int:
-        """Number of functions with a value at a point of the face."""
+        """Number of functions that are nonzero at a point of the face."""
         return int(np.prod([p + 1 for p in self.degrees]))
 
     @cached_property
     def breaks(self) -> tuple[Floats, ...]:
-        """Ends of the non-empty knot spans along each parameter."""
+        """Ends of the nonempty knot spans along each parameter."""
         return tuple(np.unique(knots) for knots in self.knots)
 
     def abscissae(self, kind: str) -> Floats:
-        """Tensor grid of ``greville`` abscissae, or of maxima of the B-splines (``botella``)."""
+        """Return a tensor grid of ``greville`` abscissae, or B-spline maxima (``botella``)."""
         along = {"greville": greville, "botella": botella}[kind]
         return grid_points(
             tuple(along(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
@@ -103,7 +103,7 @@ class PatchFace:
         return float(np.maximum(rising, falling).max())
 
     def trace(self, xi: Floats) -> tuple[Ints, Floats]:
-        """Functions with a value on the face: flat numbers and values, both (n, functions)."""
+        """Return numbers and values of the functions on the face, both (n, functions)."""
         at, splines, _ = self._splines(xi, derivatives=False)
         weighted = splines * self._outer_weights[at]
         weighted /= weighted.sum(axis=1, keepdims=True)
@@ -113,8 +113,8 @@ class PatchFace:
     def affine(self) -> tuple[Floats, Floats] | None:
         """Position (m) of its first corner, (dim,), and derivatives along xi, (dim, dim - 1).
 
-        None where they vary by more than the rounding of control points. A spline whose
-        coefficients are those of an affine map, its values at the Greville abscissae, is that map.
+        None if the map is not affine to rounding of the control points. A spline whose coefficients
+        are the values of an affine map at the Greville abscissae is that map.
         """
         net, weights = self.control_points[..., 0, :], self.weights[..., 0]
         if np.ptp(weights) > _ROUNDING * weights.max():
@@ -132,11 +132,11 @@ class PatchFace:
         return range(self.dim - 1)
 
     def _from_first_corner(self, xi: Floats) -> Floats:
-        """Parameters counted from the least."""
+        """Return parameters relative to their lower ends."""
         return xi - np.array([knots[0] for knots in self.knots])
 
     def tangents(self, xi: Floats) -> tuple[Floats, Floats]:
-        """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1), beyond its edges too."""
+        """Return positions (n, dim) and dx_i/dxi_j (n, dim, dim - 1), also beyond the edges."""
         if self.affine is not None:
             corner, edges = self.affine
             x = corner + self._from_first_corner(xi) @ edges.T
@@ -157,10 +157,10 @@ class PatchFace:
         return projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
 
     def normals(self, xi: Floats) -> tuple[Floats, Floats, Floats]:
-        """Positions (n, dim), outward unit normals (n, dim), area per reference area (n,).
+        """Return positions (n, dim), outward unit normals (n, dim), area per area of xi (n,).
 
-        By Nanson's formula det J J^-T maps the outward reference normal to the cross product of
-        the tangents. On collapsed edges, where that vanishes, limits are taken from close by.
+        By Nanson's formula det J J^-T maps the outward reference normal to the cross product of the
+        tangents. On collapsed edges, where that vanishes, limits are evaluated nearby.
         """
         x, tangents = self.tangents(xi)
         if self.affine is not None:
@@ -179,13 +179,13 @@ class PatchFace:
 
     @cached_property
     def _handedness(self) -> float:
-        """Sign that turns the cross product of the tangents outward, from the middle of a face."""
+        """Sign for which the cross product of the tangents points outward, at the face's centre."""
         middle = np.array([[(b[len(b) // 2 - 1] + b[len(b) // 2]) / 2 for b in self.breaks]])
         _, _, _, jacobian = self._jacobian(middle)
         return float(np.sign(cross(jacobian[:, :, :-1])[0] @ jacobian[0, :, -1]))
 
     def gradient(self, xi: Floats) -> tuple[Ints, Floats]:
-        """Dofs of the functions of both layers, (n, 2 * functions), and their gradients.
+        """Return dofs of the functions of both layers, (n, 2 * functions), and their gradients.
 
         The derivative along x_i is in ``[:, :, i]``, shape (n, 2 * functions, dim).
         """
@@ -211,23 +211,23 @@ class PatchFace:
 
     @cached_property
     def outer_dofs(self) -> Ints:
-        """Scalar dofs of the functions with a value on the face, flat."""
+        """Scalar dofs of the functions that are nonzero on the face, flat."""
         return self._dofs[:, 0].copy()
 
     @cached_property
     def _homogeneous(self) -> Floats:
-        """Control points of the outer layer times their weights, and these, (n, dim + 1)."""
+        """Homogeneous control points of the outer layer, weights last, (n, dim + 1)."""
         weights = self._outer_weights[:, None]
         return np.hstack([self._points[:, 0] * weights, weights])
 
     def _splines(self, xi: Floats, derivatives: bool) -> tuple[Ints, Floats, list[Floats]]:
-        """Flat numbers, values and derivatives of the splines along the face, (n, functions)."""
+        """Return flat numbers, values and derivatives of the face's splines, (n, functions)."""
         return tensor_splines(self.knots, self.degrees, xi, derivatives=derivatives)
 
     def _rational(
         self, at: Ints, splines: Floats, slopes: list[Floats]
     ) -> tuple[Floats, list[Floats]]:
-        """Rational functions of the outer layer and their derivatives along the face."""
+        """Return rational functions of the outer layer and their derivatives along the face."""
         weights = self._weights[at, 0]
         total = (splines * weights).sum(axis=1, keepdims=True)
         values = splines * weights / total
@@ -235,10 +235,10 @@ class PatchFace:
         return values, [s - values * s.sum(axis=1, keepdims=True) for s in scaled]
 
     def _jacobian(self, xi: Floats) -> tuple[Ints, Floats, Floats, Floats]:
-        """Functions, their derivatives along (xi, eta), positions, and the Jacobian dx/d(xi, eta).
+        """Return functions, derivatives along (xi, eta), positions, and the Jacobian dx/d(xi, eta).
 
-        Derivatives have shape (n, 2 * functions, dim): the outer layer first. On collapsed edges,
-        where the Jacobian is singular, limits are taken from close by.
+        Derivatives have shape (n, 2 * functions, dim), the outer layer first. On collapsed edges,
+        where the Jacobian is singular, limits are evaluated nearby.
         """
         at, derivatives, x, jacobian = self._jacobian_at(xi)
         largest = np.linalg.norm(jacobian, axis=1).max(axis=1)
@@ -249,7 +249,7 @@ class PatchFace:
         return at, derivatives, x, jacobian
 
     def _beside(self, xi: Floats) -> Floats:
-        """Parameters a little nearer to the middle."""
+        """Return parameters moved slightly towards the centre of the face."""
         middle = np.array([(k[0] + k[-1]) / 2 for k in self.knots])
         return xi + _BESIDE * (middle - xi)
 

@@ -1,8 +1,8 @@
-"""The map of a face as its geometry gives it, before knots were inserted for the trial space.
+"""Map of a face on the knots of the geometry, before knot insertion for the trial space.
 
-On the face both are one map. Beyond its edges the polynomials of the outermost knot span go on, and
-what they are of a span that was made tiny is lost in rounding: it grows with the distance, counted
-in spans, to the power of the degree. The spans of the geometry are as large as the face allows.
+Both maps agree on the face. Beyond its edges the polynomials of the outermost knot span are
+extrapolated, and rounding errors grow with the distance, in spans, to the power of the degree. The
+spans of the geometry are therefore better than the smaller spans of the trial space.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from iga_cea.splines import basis_functions
 
 @dataclass(frozen=True)
 class FaceShape:
-    """The map of a face of a patch that is not refined."""
+    """Map of a face of the unrefined patch."""
 
     degrees: tuple[int, ...]  # degree along each of the remaining parameters, in axis order
     knots: tuple[Floats, ...]  # open knot vectors along them
@@ -25,7 +25,7 @@ class FaceShape:
 
     @classmethod
     def of(cls, geometry: PatchGeometry, axis: int, side: int) -> "FaceShape":
-        """Cut a face from the geometry of a patch."""
+        """Return a face of the geometry of a patch."""
         rest = [k for k in range(len(geometry.degrees)) if k != axis]
         net = np.take(homogeneous(geometry), -side, axis=axis)
         return cls(
@@ -35,12 +35,12 @@ class FaceShape:
         )
 
     def is_beyond(self, xi: Floats) -> NDArray[np.bool_]:
-        """True for parameters beyond the edges of the face, shape (n,)."""
+        """Return True for parameters beyond the edges of the face, shape (n,)."""
         ends = np.array([[knots[0], knots[-1]] for knots in self.knots])
         return np.asarray(((xi < ends[:, 0]) | (xi > ends[:, 1])).any(axis=1))
 
     def tangents(self, xi: Floats) -> tuple[Floats, Floats]:
-        """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
+        """Return positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
         at, splines, slopes = tensor_splines(self.knots, self.degrees, xi, derivatives=True)
         return projected(np.stack([splines, *slopes], axis=1) @ self.net[at])
 
@@ -48,10 +48,10 @@ class FaceShape:
 def tensor_splines(
     knots: tuple[Floats, ...], degrees: tuple[int, ...], xi: Floats, *, derivatives: bool
 ) -> tuple[Ints, Floats, list[Floats]]:
-    """Splines of several parameters that do not vanish, at points of any place.
+    """Return nonzero tensor-product splines at points, also outside the knots.
 
-    Flat numbers (n, functions) in C order, values of that shape, and their derivatives along each
-    parameter, of that shape each; none where they are not wanted.
+    The results are flat numbers in C order and values, both (n, functions), and a list of their
+    derivatives along each parameter, empty if not requested.
     """
     count = len(xi)
     number = np.zeros((count, 1), dtype=np.int64)
@@ -69,12 +69,12 @@ def tensor_splines(
 
 
 def _products(a: Floats, b: Floats) -> Floats:
-    """Products of all columns of a with all of b, row by row, (n, columns of a and b)."""
+    """Return products of all columns of a and b, row by row, (n, columns of a and b)."""
     return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
 
 
 def projected(homogeneous: Floats) -> tuple[Floats, Floats]:
-    """Positions and derivatives from those of w x and w: (w x)' = w' x + w x'."""
+    """Return positions and derivatives from those of w x and w: (w x)' = w' x + w x'."""
     weight = homogeneous[:, 0, -1]
     x = homogeneous[:, 0, :-1] / weight[:, None]
     turned = homogeneous[:, 1:, :-1] - homogeneous[:, 1:, -1:] * x[:, None]

@@ -1,4 +1,4 @@
-"""Which faces of patches are joined: found by geometry, refused where they touch otherwise."""
+"""Detection of joined faces of patches from geometry, and of patches that touch otherwise."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,26 +19,26 @@ from iga_cea.splines import grid_points
 from iga_cea.surface import NurbsSurface
 
 TOLERANCE = 1e-7
-"""Distance at which points coincide, relative to the local mesh size."""
+"""Distance, relative to the local mesh size, below which points coincide."""
 
 _NEAR = 1e-3
-"""Gap of faces that were meant to be joined, at most, relative to the elements behind them."""
+"""Gap, relative to the elements behind, up to which equal faces should have been joined."""
 
 _SAME_PARAMETER = 1e-9
-"""Difference at which knots, or ratios of weights, are equal."""
+"""Relative difference below which knots, or ratios of weights, are equal."""
 
 
 def joined_dofs(faces: Sequence[PatchFace], field: str) -> Ints:
-    """Pairs of dofs that joined faces share, shape (n, 2).
+    """Return pairs of dofs that joined faces share, shape (n, 2).
 
-    Two faces, of one patch that closes on itself or of two, are joined when, one of them turned or
-    flipped, their control points coincide, their knots are the same and their weights equal up to a
-    factor.
+    Two faces, of one closed patch or of two patches, are joined if their control points coincide,
+    their knots are equal and their weights are proportional, up to rotations and reflections of the
+    parameters of one face.
     """
     near = list(_neighbours([_Side(face) for face in faces]))
     joints = [joint for a, b in near if (joint := _joined(a, b, field)) is not None]
     inner = {id(face) for joint in joints for face in (joint.a, joint.b)}
-    for a, b in near:  # what lies on a joint lies in a patch, too: its own faces are seen
+    for a, b in near:  # points on a joint are also covered by the free faces of its patches
         free = id(a.face) not in inner and id(b.face) not in inner
         if free and (_touch(a, b) or _touch(b, a)):
             allowed = "joined faces with equal nets of control points, or faces apart"
@@ -49,7 +49,7 @@ def joined_dofs(faces: Sequence[PatchFace], field: str) -> Ints:
 
 
 def _joined(side_a: "_Side", side_b: "_Side", field: str) -> "_Joint | None":
-    """The joint of two faces, None where they are not alike or apart."""
+    """Return the joint of two faces; None if they differ or are apart."""
     a, b, depth = side_a.face, side_b.face, min(side_a.depth, side_b.depth)
     joint, names = _joint(a, b), f"{_name(a)} and {_name(b)}"
     if joint is None or joint.gap > _NEAR * depth:
@@ -58,20 +58,20 @@ def _joined(side_a: "_Side", side_b: "_Side", field: str) -> "_Joint | None":
         allowed = f"joined faces; these are {joint.gap:.3g} m apart: merge_nodes joins them"
         raise InputError(field, names, allowed)
     if not _face_each_other(a, b):
-        allowed = "patches beside each other, none given twice: these lie on each other"
+        allowed = "adjacent patches, none given twice: these overlap"
         raise InputError(field, names, allowed)
     return joint
 
 
 def _face_each_other(a: PatchFace, b: PatchFace) -> bool:
-    """Whether outward normals of two joined faces are opposite in their middles."""
+    """Return whether the outward normals of joined faces are opposite at their centres."""
     middles = [np.array([[(k[0] + k[-1]) / 2 for k in face.knots]]) for face in (a, b)]
     one, other = (face.normals(xi)[1][0] for face, xi in zip((a, b), middles, strict=True))
     return bool(one @ other < 0)
 
 
 def _check_pieces(faces: Sequence[PatchFace], joints: Sequence["_Joint"], field: str) -> None:
-    """Refuse patches that make several bodies, with how far these are apart."""
+    """Raise InputError, with their distance, if patches form several bodies."""
     patches, of_face = np.unique([face.patch for face in faces], return_inverse=True)
     ends = np.searchsorted(patches, [(j.a.patch, j.b.patch) for j in joints]).reshape(-1, 2)
     piece = connected(ends, len(patches))
@@ -87,8 +87,8 @@ def _check_pieces(faces: Sequence[PatchFace], joints: Sequence["_Joint"], field:
     )
     gap = KDTree(first).query(others)[0].min()
     allowed = (
-        f"one body, its patches joined by whole faces: control points of others are {gap:.3g} m "
-        "apart; merge_nodes makes nearer ones one"
+        f"one body of patches joined by whole faces: the nearest control points are {gap:.3g} m "
+        "apart; merge_nodes joins closer ones"
     )
     raise InputError(field, f"{count} bodies that share no face", allowed)
 
@@ -99,26 +99,26 @@ def _name(face: PatchFace) -> str:
 
 @dataclass(frozen=True)
 class _Side:
-    """A face with what the tests of its neighbourhood need of it, each found once."""
+    """Face with cached data for neighbour tests."""
 
     face: PatchFace
 
     @cached_property
     def box(self) -> tuple[Floats, Floats]:
-        """Least and greatest coordinates; a NURBS lies in the box of its control points."""
+        """Bounding box of its control points, which contains the face."""
         outer = self.face.control_points[..., 0, :].reshape(-1, self.face.dim)
         return outer.min(axis=0), outer.max(axis=0)
 
     @cached_property
     def depth(self) -> float:
-        """Size of the elements behind it where they are thinnest, by control points (m)."""
+        """Smallest size of the elements behind it (m), from control points."""
         net = self.face.control_points
         steps = [np.linalg.norm(np.diff(net, axis=k), axis=-1) for k in range(self.face.dim)]
         return float(min(step.max() for step in steps))
 
     @cached_property
     def samples(self) -> tuple[Floats, Floats, np.ndarray]:
-        """Ends and middles of all spans: positions, normals, and which lie on the edge."""
+        """Ends and middles of all spans: positions, normals, and whether on the edge."""
         face = self.face
         xi = grid_points(tuple(subdivided(breaks, 2) for breaks in face.breaks))
         x, normal, _ = face.normals(xi)
@@ -127,18 +127,18 @@ class _Side:
 
     @cached_property
     def edge(self) -> KDTree:
-        """Samples on the edge."""
+        """Search tree of the samples on the edge."""
         x, _, on_edge = self.samples
         return KDTree(x[on_edge])
 
     @cached_property
     def chart(self) -> NurbsSurface:
-        """The face as point location sees it."""
+        """The face as a surface, for point location."""
         return NurbsSurface("side", [self.face], 0)
 
 
 def _neighbours(sides: Sequence[_Side]) -> Iterator[tuple[_Side, _Side]]:
-    """Pairs of faces whose bounding boxes touch."""
+    """Yield pairs of faces whose bounding boxes touch."""
     low, high = (np.array(ends) for ends in zip(*(side.box for side in sides), strict=True))
     margin = np.array([max(TOLERANCE * side.face.size, _NEAR * side.depth) for side in sides])
     for i, j in combinations(range(len(sides)), 2):
@@ -148,7 +148,7 @@ def _neighbours(sides: Sequence[_Side]) -> Iterator[tuple[_Side, _Side]]:
 
 
 class _Joint(NamedTuple):
-    """Two faces alike: dofs of b in the order of a, and the largest distance (m) of their nets."""
+    """Two equal faces: dofs of b in the order of a, and the largest distance (m) of their nets."""
 
     a: PatchFace
     b: PatchFace
@@ -157,7 +157,7 @@ class _Joint(NamedTuple):
 
 
 def _joint(a: PatchFace, b: PatchFace) -> _Joint | None:
-    """How two faces are alike, turned as they come nearest; None where they are not."""
+    """Return the joint of equal faces with the smallest gap of all orientations, or None."""
     axes, found = range(a.dim - 1), list[_Joint]()
     for order in permutations(axes):
         for flips in product((False, True), repeat=len(order)):
@@ -186,7 +186,7 @@ def _normalised(knots: Floats) -> Floats:
 
 
 def _touch(a: _Side, b: _Side) -> bool:
-    """True when an end or middle of a span of a lies on b, not on the edges of both.
+    """Return whether an end or middle of a span of a lies on b, but not on the edges of both.
 
     Neighbours may share an edge; faces that share more overlap.
     """
@@ -194,7 +194,7 @@ def _touch(a: _Side, b: _Side) -> bool:
     low, high = b.box
     reach = TOLERANCE * min(a.face.size, b.face.size)
     candidate = np.all((x >= low - reach) & (x <= high + reach), axis=1)
-    # Most neighbours share the samples of an edge: no need to locate those.
+    # Most neighbours share samples on an edge, which need no point location.
     on_edges = np.flatnonzero(candidate & edge_of_a)
     candidate[on_edges] = b.edge.query(x[on_edges])[0] > reach
     if not candidate.any():

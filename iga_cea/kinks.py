@@ -1,7 +1,7 @@
-"""Faces of patches cut where their normal jumps: a smooth map for each piece.
+"""Division of faces of patches where their normal jumps, into pieces with smooth maps.
 
-A knot repeated as often as the degree lets the map of a face have a kink. There the net of control
-points is that of two faces which share the points on the kink, so that a cut changes no function.
+At a knot of multiplicity p the map of a face may have a kink. There the control net is that of two
+faces that share the points on the kink, so that the division changes no function.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,7 +18,7 @@ from iga_cea.splines import grid_points
 
 
 def smooth_pieces(face: PatchFace) -> list[PatchFace]:
-    """A face cut at its kinks; the face itself where it has none."""
+    """Return the pieces of a face between its kinks."""
     pieces = [face]
     for axis in range(face.dim - 1):
         kinks = [t for t in _repeated(face, axis) if _is_kink(face, axis, t)]
@@ -27,14 +27,14 @@ def smooth_pieces(face: PatchFace) -> list[PatchFace]:
 
 
 def _repeated(face: PatchFace, axis: int) -> Floats:
-    """Inner knots of the geometry at which its map is no more than continuous."""
+    """Return the inner knots of the geometry at which the map is only continuous."""
     knots, count = np.unique(face.shape.knots[axis][1:-1], return_counts=True)
     inner = (knots > face.knots[axis][0]) & (knots < face.knots[axis][-1])
     return knots[inner & (count >= face.shape.degrees[axis])]
 
 
 def _is_kink(face: PatchFace, axis: int, knot: float) -> bool:
-    """Whether normals on both sides of a knot differ somewhere along it."""
+    """Return whether the normal jumps at a knot, anywhere along it."""
     parameters = [subdivided(breaks, 2) for breaks in face.breaks]
     parameters[axis] = np.array([knot])
     xi = grid_points(tuple(parameters))
@@ -43,7 +43,7 @@ def _is_kink(face: PatchFace, axis: int, knot: float) -> bool:
 
 
 def _cut_at(face: PatchFace, axis: int, knots: Sequence[float]) -> Iterator[PatchFace]:
-    """Pieces of a face between some rising knots."""
+    """Yield the pieces of a face between increasing knots."""
     for knot in knots:
         piece, face = _cut(face, axis, knot)
         yield piece
@@ -51,7 +51,7 @@ def _cut_at(face: PatchFace, axis: int, knots: Sequence[float]) -> Iterator[Patc
 
 
 def _cut(face: PatchFace, axis: int, knot: float) -> tuple[PatchFace, PatchFace]:
-    """Both sides of a knot at which the splines along an axis are no more than continuous."""
+    """Return both parts of a face, divided at a knot of multiplicity p along an axis."""
     shape = face.shape
     sizes = [len(knots) - p - 1 for knots, p in zip(shape.knots, shape.degrees, strict=True)]
     net = shape.net.reshape(*sizes, -1)
@@ -75,7 +75,7 @@ def _cut(face: PatchFace, axis: int, knot: float) -> tuple[PatchFace, PatchFace]
 def _sides(
     of: PatchFace | FaceShape, axis: int, knot: float
 ) -> Iterator[tuple[tuple[Floats, ...], tuple[slice, ...]]]:
-    """Knots of what lies below and above a knot along an axis, and its part of the net."""
+    """Yield the knots of the parts below and above a knot, and their slices of the net."""
     knots, degree = of.knots[axis], of.degrees[axis]
     end = np.full(degree + 1, knot)
     below, above = np.append(knots[knots < knot], end), np.append(end, knots[knots > knot])

@@ -1,11 +1,11 @@
-"""One parameter of a patch at its Gauss points: what tensor products are made of.
+"""Univariate basis of a patch at Gauss points, the factors of tensor products.
 
-A function i of a parameter is seen over its *window*: the degree + 1 spans that may lie in its
-support (all of them where there are fewer). Its partners are the functions i + o with offsets
-o = -degree .. degree. So whatever couples i and its partners is a full array over offsets and
-points of the window, with zeros where a partner or a span is not theirs.
+Function i is tabulated on its *window*, the degree + 1 spans that may lie in its support (all spans
+if there are fewer). Its partners are the functions i + o with offsets o = -degree .. degree.
+Products of i and its partners form a full array over offsets and points of the window, with zeros
+where a partner or span does not exist.
 
-Parameters are counted in mean spans, so that slopes along different ones compare.
+Parameters are scaled by the mean span, so that slopes along different ones are comparable.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Line:
     """Functions of one parameter and their slopes at the Gauss points."""
 
     degree: int
-    functions: int  # their number
+    functions: int  # number of functions
     first: Ints  # first function on each span, shape (spans,)
     # values and slopes of the functions of each span, (2, spans, points, degree + 1)
     tables: Floats
@@ -30,7 +30,7 @@ class Line:
 
     @classmethod
     def of(cls, patch: Patch, axis: int, weights: Floats | None = None) -> "Line":
-        """One parameter of a patch."""
+        """Return the basis along one parameter of a patch, rational with weights."""
         degree, first = patch.degrees[axis], patch.first_functions[axis]
         x, rule = gauss_rule(patch.breaks[axis], degree + 1)
         _, tables = basis_functions(patch.knots[axis], degree, x.ravel(), slopes=True)
@@ -48,7 +48,7 @@ class Line:
 
     @classmethod
     def trivial(cls) -> "Line":
-        """The third parameter of the plane: one function, which is 1."""
+        """Return the third parameter in 2D: one function, equal to 1."""
         one = np.ones((1, 1))
         tables = np.stack([one, np.zeros((1, 1))])[..., None]
         return cls(0, 1, np.zeros(1, dtype=np.int64), tables, one)
@@ -60,17 +60,17 @@ class Line:
 
     @property
     def points(self) -> int:
-        """Gauss points of a span."""
+        """Number of Gauss points per span."""
         return self.weights.shape[1]
 
     @property
     def offsets(self) -> int:
-        """Number of partners of a function, those that do not exist too."""
+        """Number of partners of a function, including nonexistent ones."""
         return 2 * self.degree + 1
 
     @property
     def window(self) -> int:
-        """Spans of a window."""
+        """Number of spans in a window."""
         return min(self.degree + 1, self.spans)
 
     @property
@@ -89,7 +89,7 @@ class Line:
         return coupled
 
     def matrix(self, spans: slice, derivative: int) -> Floats:
-        """Functions, or their slopes, at the points of spans, shape (points, functions)."""
+        """Return functions, or their slopes, at the points of spans, (points, functions)."""
         first, tables = self.first[spans], self.tables[derivative, spans]
         whole = np.zeros((*tables.shape[:2], self.functions))
         columns = first[:, None, None] + np.arange(self.degree + 1)
@@ -97,7 +97,7 @@ class Line:
         return whole.reshape(-1, self.functions)
 
     def pairs(self, left: int, right: int, functions: slice) -> Floats:
-        """Products of functions and their partners, times the Gauss weights.
+        """Return products of functions and their partners, times the Gauss weights.
 
         Shape (functions, offsets, points of a window).
         """
@@ -105,7 +105,7 @@ class Line:
         span = self.starts[functions][:, None] + np.arange(self.window)
 
         def at(derivative: int, function: Ints, span: Ints) -> Floats:
-            """A derivative of functions on spans, zero where they vanish, (..., points)."""
+            """Return a derivative of functions on spans, zero outside supports, (..., points)."""
             local = function - self.first[span]
             inside = (local >= 0) & (local <= self.degree)
             values = self.tables[derivative, span, :, np.where(inside, local, 0)]

@@ -1,6 +1,6 @@
-"""Matrices of joined NURBS patches, each from the coefficients of a form at Gauss points.
+"""Matrices of joined NURBS patches, from coefficients of bilinear forms at Gauss points.
 
-With the gradients grad N_a = sum_k D_k N_a grad xi_k, elasticity
+For gradients grad N_a = sum_k D_k N_a grad xi_k, elasticity
 
     K[a i, b j] = int c_ipjq d_p N_a d_q N_b
 
@@ -38,9 +38,9 @@ from iga_cea.sum_factorisation import Form
 
 
 class NurbsMatrices:
-    """Matrices of all dofs (full x full), PETSc AIJ, each made anew; making one is collective.
+    """Matrices of all dofs (full x full), PETSc AIJ, not cached; assembly is collective.
 
-    They are symmetric, or skew, to the last bit. Each raises InputError where a patch is folded.
+    They are symmetric or skew to the last bit. A folded patch raises InputError.
     """
 
     def __init__(self, multipatch: Multipatch, comm: Any) -> None:
@@ -51,7 +51,7 @@ class NurbsMatrices:
         return Pattern.of(self.multipatch, self.comm.rank)
 
     def stiffness(self, elasticity: Elasticity) -> Any:
-        """Elastic stiffness (N/m), symmetric."""
+        """Return the elastic stiffness (N/m), symmetric."""
         dim = self.dim
 
         def coefficients(metric: Metric) -> Coefficients:
@@ -74,11 +74,11 @@ class NurbsMatrices:
         return block_matrix(self._pattern, data, dim, self.comm)
 
     def mass(self, rho: float) -> Any:
-        """Consistent mass (kg) of a density (kg/m^3), symmetric."""
+        """Return the consistent mass (kg) for a density (kg/m^3), symmetric."""
         return self._of_each_component(self._products(rho))
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
-        """Stiffness int sigma_ij d_i N_a d_j N_b that stresses of a displacement make (N/m)."""
+        """Return the geometric stiffness int sigma_ij d_i N_a d_j N_b of a displacement (N/m)."""
         dim = self.dim
 
         def coefficients(metric: Metric) -> Coefficients:
@@ -98,7 +98,7 @@ class NurbsMatrices:
         return self._of_each_component(data)
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s, kg, skew."""
+        """Return Y of a rotation at 1 rad/s, kg, skew."""
         transport = self._transport(rho, rotation)
         if rotation.coriolis:
             return self._of_each_component(transport)
@@ -106,7 +106,7 @@ class NurbsMatrices:
         return self._sum((transport, np.eye(self.dim)), (self._products(rho), -2 * spin))
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Z of a rotation, kg, symmetric."""
+        """Return Z of a rotation, kg, symmetric."""
         speeds = self._speeds(rotation)
 
         def coefficients(metric: Metric) -> Coefficients:
@@ -126,11 +126,11 @@ class NurbsMatrices:
         )
 
     def _products(self, rho: float) -> Floats:
-        """Entries of m."""
+        """Return the entries of m."""
         return self._scalar(lambda metric: {(VALUE, VALUE): rho * metric.measure[None]})
 
     def _transport(self, rho: float, rotation: Rotation) -> Floats:
-        """Entries of A."""
+        """Return the entries of A."""
         speeds = self._speeds(rotation)
 
         def coefficients(metric: Metric) -> Coefficients:
@@ -144,7 +144,7 @@ class NurbsMatrices:
         return self._scalar(coefficients, sign=-1)
 
     def _speeds(self, rotation: Rotation) -> Callable[[Metric], dict[int, Floats]]:
-        """Gives the velocity along each parameter at 1 rad/s."""
+        """Return a function that gives the velocity along each parameter at 1 rad/s."""
         spin, origin = rotation.spin(self.dim), np.asarray(rotation.origin[: self.dim])
 
         def speeds(metric: Metric) -> dict[int, Floats]:
@@ -154,7 +154,7 @@ class NurbsMatrices:
         return speeds
 
     def _scalar(self, coefficients: Callable[[Metric], Coefficients], sign: int = 1) -> Floats:
-        """Entries of a scalar matrix that is symmetric, or skew if the sign is -1."""
+        """Return the entries of a scalar matrix, symmetric or, for sign = -1, skew."""
         form = Form(1, coefficients)
         return entries(self.multipatch, self._pattern, form, self.comm, sign=sign)
 
@@ -162,6 +162,6 @@ class NurbsMatrices:
         return component_matrix(self._pattern, scalar, self.dim, self.comm)
 
     def _sum(self, *parts: tuple[Floats, Floats]) -> Any:
-        """Sum of Kronecker products of scalar matrices with small ones."""
+        """Return a sum of Kronecker products of scalar and small matrices."""
         data = combined(self._pattern, parts, self.dim)
         return block_matrix(self._pattern, data, self.dim, self.comm)

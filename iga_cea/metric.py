@@ -1,9 +1,9 @@
-"""The map of a patch at its Gauss points, on tensor grids.
+"""Map of a patch and its derivatives at Gauss points, on tensor grids.
 
-With the weights w_i of the control points, a function is R_i = w_i N_i / W. Where the weights are
-a product of factors along the parameters (boxes, arcs, whatever is turned about an axis), so are
-the rational functions, and the map is a tensor product of them. Otherwise the tensor product is
-that of homogeneous coordinates, N_i are the B-splines, and
+With weights w_i of the control points, a function is R_i = w_i N_i / W. If the weights are products
+of factors along the parameters (boxes, arcs, bodies of revolution), so are the rational functions,
+and the map is a tensor product of them. Otherwise homogeneous coordinates are a tensor product,
+N_i are the B-splines, and
 
     grad R_i = w_i / W (sum_k D_k N_i grad xi_k + N_i g),    g = - sum_k W_k / W grad xi_k.
 """
@@ -20,27 +20,27 @@ from iga_cea.lines import Line
 from iga_cea.patch import Patch
 
 VALUE = 3
-"""Number, beside the parameters 0, 1, 2, of what multiplies the value of a function."""
+"""Index, after those of the parameters, of the coefficient of function values."""
 
 _PRODUCT = 4 * np.finfo(float).eps
-"""Difference of weights from a product of factors, relative."""
+"""Relative difference of weights from a product of factors treated as rounding."""
 
 
 @dataclass(frozen=True)
 class Metric:
-    """The map on a grid of points."""
+    """Map and derivatives on a grid of points."""
 
-    measure: Floats  # jacobian, over W^2 where weights are no product, (n1, n2, n3)
-    # gradients of the parameters, and g under :data:`VALUE` where weights are no product, each
+    measure: Floats  # Jacobian, divided by W^2 if weights are no product, (n1, n2, n3)
+    # gradients of the parameters, and g under :data:`VALUE` if weights are no product, each
     # (dim, n1, n2, n3)
     gradients: dict[int, Floats]
     x: Floats  # positions (m), (dim, n1, n2, n3)
-    # gradient of the field that goes with the map, (components, dim, n1, n2, n3)
+    # gradient of an additional field, (components, dim, n1, n2, n3)
     field_gradient: Floats
 
 
 def factors_of(weights: Floats) -> list[Floats] | None:
-    """Factors of weights along each parameter; None where they are no product to rounding."""
+    """Return the factors of weights along each parameter; None if they are no product."""
     corner = weights[(0,) * weights.ndim]
     factors = []
     for axis in range(weights.ndim):
@@ -52,7 +52,7 @@ def factors_of(weights: Floats) -> list[Floats] | None:
 
 
 def lines_of(patch: Patch, factors: Sequence[Floats] | None) -> list[Line]:
-    """The three parameters of a patch, the third of the plane trivial."""
+    """Return the bases along three parameters; the third is trivial in 2D."""
     lines = [
         Line.of(patch, axis, None if factors is None else factors[axis])
         for axis in range(patch.dim)
@@ -61,10 +61,10 @@ def lines_of(patch: Patch, factors: Sequence[Floats] | None) -> list[Line]:
 
 
 class Map:
-    """The map of a patch at the Gauss points of some spans.
+    """Map of a patch at the Gauss points of a range of spans.
 
-    Weights may be in the lines (``rational``); matrices of values and slopes along the second and
-    the third parameter are (points, functions) each, coefficients of a field (n1, ..., components).
+    ``rational`` tells whether the bases include the weights. ``across`` are values and slopes along
+    the second and third parameter, (points, functions) each, ``field`` (n1, ..., components).
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Map:
         name: str,
     ) -> None:
         self._dim, self._rational, self._name = patch.dim, rational, name
-        # Far from the origin slopes would lose digits.
+        # Coordinates relative to the centre: slopes lose digits far from the origin.
         self._centre = patch.control_points.reshape(-1, patch.dim).mean(axis=0)
         net = patch.control_points - self._centre
         if field is not None:
@@ -93,7 +93,7 @@ class Map:
             self._parts.append(b @ (net @ dc.T))
 
     def at(self, values: Floats, slopes: Floats, functions: slice = slice(None)) -> Metric:
-        """Metric at points of the first parameter."""
+        """Return the metric at points of the first parameter."""
 
         def along(matrix: Floats, part: Floats) -> Floats:
             part = part[:, functions]
@@ -120,7 +120,7 @@ class Map:
         return Metric(measure, gradients, x, field_gradient)
 
     def _inverse(self, tangents: list[Floats]) -> tuple[Floats, list[Floats]]:
-        """Jacobian, and gradients of the parameters."""
+        """Return the Jacobian, and gradients of the parameters."""
         if self._dim == 2:
             (ax, ay), (bx, by) = tangents
             normals = [np.stack([by, -bx]), np.stack([-ay, ax])]

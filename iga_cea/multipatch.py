@@ -1,12 +1,12 @@
-"""Patches joined to one body: numbering of scalar dofs and sharing out over ranks.
+"""Patches joined to one body: numbering of scalar dofs and partition over ranks.
 
-Control points that coincide, in joined faces and along collapsed edges, are one scalar dof.
+Control points that coincide, on joined faces and along collapsed edges, share one scalar dof.
 
-Elements of all patches, in order, are shared out over ranks in contiguous ranges; within a patch
-they are counted so that cuts are across a parameter with most of them. A scalar dof
-belongs to the rank with the element in the middle of its support, the lowest where patches share
-it, and the dofs of a rank are numbered contiguously. The integer connectivity is on every rank,
-matrices are not.
+Elements of all patches, in order, are divided into contiguous ranges, one per rank; within a patch
+they are numbered so that cuts are normal to the parameter with most elements. A scalar dof belongs
+to the rank of the element in the middle of its support, the lowest if patches share it, and the
+dofs of a rank are numbered contiguously. All ranks store the integer connectivity, but only their
+own matrix rows.
 """
 
 from collections.abc import Sequence
@@ -28,12 +28,12 @@ End = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Multipatch:
-    """Joined patches with their numbering."""
+    """Joined patches with their dof numbers."""
 
     patches: tuple[Patch, ...]  # the refined patches
     # scalar dof of each control point of each patch, in the shape of its net
     dofs: tuple[Ints, ...]
-    dof_ranges: Ints  # first scalar dof of each rank, and their number last, shape (ranks + 1,)
+    dof_ranges: Ints  # first scalar dof of each rank, and the end of the last, shape (ranks + 1,)
 
     @property
     def dim(self) -> int:
@@ -42,7 +42,7 @@ class Multipatch:
 
     @property
     def num_scalar_dofs(self) -> int:
-        """Scalar dofs over all ranks."""
+        """Number of scalar dofs on all ranks."""
         return int(self.dof_ranges[-1])
 
     @property
@@ -54,7 +54,7 @@ class Multipatch:
         return points
 
     def faces(self, ends: Sequence[End]) -> list[PatchFace]:
-        """Faces (patch, axis, side) with their global scalar dofs."""
+        """Return faces (patch, axis, side) with their global scalar dofs."""
         return [PatchFace.of(self.patches[end[0]], self.dofs[end[0]], end) for end in ends]
 
 
@@ -85,7 +85,7 @@ def join(patches: Sequence[Patch], ranks: int, field: str) -> Multipatch:
 
 
 def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: str) -> Ints:
-    """Number of the scalar dof of each copy of a control point, shape (count,)."""
+    """Return the scalar dof of each copy of a control point, shape (count,)."""
     faces = [
         PatchFace.of(patch, copies[k], (k, axis, side))
         for k, patch in enumerate(patches)
@@ -97,7 +97,7 @@ def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: 
     ]
     pairs = np.concatenate([joined_dofs(faces, field), *points])
     label = connected(pairs, count)
-    # Number components by their first copy, so that joining changes the order as little as it can.
+    # Number components by their first copy, to change the order as little as possible.
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     rank_of_label = np.empty(len(first), dtype=np.int64)
     rank_of_label[np.argsort(first)] = np.arange(len(first))
@@ -105,9 +105,9 @@ def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: 
 
 
 def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
-    """Element in the middle of the support of each control point, and the number of elements.
+    """Return the element in the middle of each control point's support, and their number.
 
-    Elements are counted along a parameter of most of them last: cuts across it are small.
+    The parameter with most elements varies slowest, which makes partition boundaries small.
     """
     middle, offset = [], 0
     for patch in patches:
@@ -115,13 +115,13 @@ def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
         for firsts, degree, n in zip(
             patch.first_functions, patch.degrees, patch.shape, strict=True
         ):
-            # Function i lives on spans whose first function is from i - degree to i.
+            # The support of function i has the spans whose first function is i - degree to i.
             lowest = np.searchsorted(firsts, np.arange(n) - degree)
             highest = np.searchsorted(firsts, np.arange(n), side="right") - 1
             along.append((lowest + highest) // 2)
         spans = patch.spans
         numbers = np.meshgrid(*along, indexing="ij")
-        # The first one last of equal ones: what ranks share along it each of them computes.
+        # On ties the first varies fastest: cuts normal to it would duplicate shared work.
         order = sorted(range(len(spans)), key=lambda axis: (-spans[axis], -axis))
         number = np.ravel_multi_index(
             [numbers[axis] for axis in order], [spans[axis] for axis in order]

@@ -1,4 +1,4 @@
-"""A NURBS patch: its geometry, its refinement into the trial space, its basis on tensor grids."""
+"""NURBS patch: geometry, refinement into the trial space, basis on tensor grids."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from iga_cea.collapse import COLLAPSED, Lines, collapsed_lines
 from iga_cea.splines import basis_matrix, elevation_matrix, insertion_matrix, knots_with_breaks
 
 _MAP_SAMPLES = 4
-"""Pieces of each span of the geometry between samples of its Jacobian."""
+"""Intervals between samples of the Jacobian in each span of the geometry."""
 
 _FLAT = 1e-12
-"""Jacobian taken for zero, relative to the product of the longest tangents."""
+"""Jacobian, relative to the product of the longest tangents, below which it is zero."""
 
 
 class PatchGeometry(Protocol):
-    """Plain NURBS data of a patch, as a geometry builder gives it."""
+    """Plain NURBS data of a patch."""
 
     @property
     def degrees(self) -> tuple[int, ...]:
@@ -45,19 +45,19 @@ class PatchGeometry(Protocol):
 
     @property
     def breaks(self) -> tuple[Floats, ...]:
-        """Parameters of the wanted element boundaries along each direction."""
+        """Element boundaries along each parameter."""
         ...
 
 
 @dataclass(frozen=True)
 class Patch:
-    """A patch refined to the trial space: rational with the weights of the geometry."""
+    """Patch refined to the trial space, rational with the weights of the geometry."""
 
     degrees: tuple[int, ...]  # degree along each parameter
     knots: tuple[Floats, ...]  # open knot vector along each parameter
     control_points: Floats  # control points (m), shape (n1, ..., dim)
     weights: Floats  # weights, shape (n1, ...)
-    # the patch before it was refined: the same map on fewer and larger knot spans
+    # the unrefined patch: the same map on fewer and larger knot spans
     geometry: PatchGeometry
 
     @property
@@ -72,7 +72,7 @@ class Patch:
 
     @cached_property
     def breaks(self) -> tuple[Floats, ...]:
-        """Ends of the non-empty knot spans along each parameter."""
+        """Ends of the nonempty knot spans along each parameter."""
         return tuple(np.unique(knots) for knots in self.knots)
 
     @property
@@ -82,7 +82,7 @@ class Patch:
 
     @cached_property
     def collapsed(self) -> Lines:
-        """True for the collapsed lines of control points along each axis."""
+        """True for the collapsed rows of control points along each axis."""
         return collapsed_lines(self.control_points)
 
     @cached_property
@@ -95,12 +95,12 @@ class Patch:
 
 
 def check_map(geometry: PatchGeometry, field: str) -> None:
-    """Refuse a patch that is folded or collapsed, but for edges that are collapsed whole."""
+    """Raise InputError if a patch is folded or collapsed, except along whole edges."""
     grid = [subdivided(np.unique(knots), _MAP_SAMPLES) for knots in geometry.knots]
     net = homogeneous(geometry)
 
     def sampled(differentiated: int | None) -> Floats:
-        """Homogeneous coordinates on the grid, one parameter differentiated or none."""
+        """Return homogeneous coordinates on the grid, or their derivative in a parameter."""
         return _contracted(
             net,
             [
@@ -134,20 +134,20 @@ def check_map(geometry: PatchGeometry, field: str) -> None:
 
 
 def homogeneous(geometry: PatchGeometry) -> Floats:
-    """Control points times weights, then weights, shape (n1, ..., dim + 1)."""
+    """Return homogeneous control points, weights last, shape (n1, ..., dim + 1)."""
     weights = geometry.weights[..., None]
     return np.concatenate([geometry.control_points * weights, weights], axis=-1)
 
 
 def _contracted(net: Floats, matrices: Sequence[Floats]) -> Floats:
-    """A net with a matrix applied along each of its axes in turn."""
+    """Apply a matrix along each axis of a net."""
     for axis, matrix in enumerate(matrices):
         net = np.moveaxis(np.tensordot(matrix, net, axes=(1, axis)), 0, axis)
     return net
 
 
 def refine(geometry: PatchGeometry, degree: Sequence[int], continuity: Sequence[int]) -> Patch:
-    """Raise the degree of a patch, then insert its breaks; the geometry does not change."""
+    """Elevate the degree of a patch and insert its breaks, without changing the geometry."""
     refined_knots, operators = [], []
     for axis, (p, q, c) in enumerate(zip(geometry.degrees, degree, continuity, strict=True)):
         knots, elevation = elevation_matrix(np.asarray(geometry.knots[axis], dtype=float), p, q)
@@ -166,6 +166,6 @@ def refine(geometry: PatchGeometry, degree: Sequence[int], continuity: Sequence[
 
 
 def subdivided(breaks: Floats, parts: int) -> Floats:
-    """Breaks with each span divided evenly, shape (spans * parts + 1,)."""
+    """Divide each span evenly; return the breaks, shape (spans * parts + 1,)."""
     pieces = [np.linspace(a, b, parts, endpoint=False) for a, b in pairwise(breaks)]
     return np.concatenate([*pieces, breaks[-1:]])

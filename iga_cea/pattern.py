@@ -1,11 +1,11 @@
-"""Sparsity of matrices on joined patches, and where entries of patches go in it.
+"""Sparsity of matrices on joined patches, and positions of patch entries.
 
-On a patch, functions i and j are coupled when they share a span along each parameter, and the
-offset j - i is within the degree. So one table per patch, rows functions and columns offsets, says
-where each pair lies in its sparse row.
+On a patch, functions i and j are coupled if they share a span along each parameter; the offset
+j - i is then within the degree. A table per patch, with functions as rows and offsets as columns,
+gives the position of each pair in its sparse row.
 
-Entries in columns of this rank come first, then those in columns of others: these are the blocks
-that PETSc keeps apart. Each has a sparse row for each scalar row.
+Entries in columns of this rank precede those in columns of other ranks, the two blocks of a PETSc
+matrix. Each block has a sparse row for each scalar row.
 """
 
 from collections.abc import Iterator
@@ -28,25 +28,25 @@ from iga_cea.sum_factorisation import Box
 class Pattern:
     """Scalar sparsity of the rows of one rank."""
 
-    first: int  # its first scalar dof
-    last: int  # that of the next rank
-    # where each sparse row starts, first those in columns of this rank, then those in columns of
-    # others, and where the last ends, shape (2 * rows + 1,)
+    first: int  # first scalar dof of the rank
+    last: int  # first scalar dof of the next rank
+    # row pointers, first of the block in this rank's columns, then of that in other columns,
+    # shape (2 * rows + 1,)
     starts: Ints
-    columns: Ints  # global scalar dofs, rising in each sparse row
-    # for each patch the row of each function, -1 where it is another rank's, in the shape of the
+    columns: Ints  # global scalar dofs, increasing in each sparse row
+    # for each patch the row of each function, -1 on other ranks, in the shape of the
     # net
     rows: tuple[Ints, ...]
-    # for each patch the place in its sparse row of function i with offset j - i, -1 where there is
+    # for each patch the position in its sparse row of function i with offset j - i, -1 if there is
     # none, shape (functions of the rank, offsets)
     tables: tuple[Any, ...]
-    # for each patch whether that is a column of another rank, of the same shape; None where there
-    # is no other rank
+    # for each patch whether that is a column of another rank, of the same shape; None on a
+    # single rank
     outer: tuple[Any, ...] | None
 
     @classmethod
     def of(cls, multipatch: Multipatch, rank: int) -> "Pattern":
-        """Pattern of the matrices of a rank."""
+        """Return the pattern of the matrices of a rank."""
         first, last = (int(n) for n in multipatch.dof_ranges[rank : rank + 2])
         total = multipatch.num_scalar_dofs
         rows, columns, keys, coupled = [], [], [], []
@@ -93,13 +93,13 @@ class Pattern:
 
     @property
     def num_inner(self) -> int:
-        """Entries in columns of this rank."""
+        """Number of entries in columns of this rank."""
         return int(self.starts[self.last - self.first])
 
     def sparse_rows(self, patch: int, place: Any, row: Ints) -> Ints:
-        """Sparse row of each pair of some functions of a patch, (functions, offsets).
+        """Return the sparse row of each pair of functions of a patch, (functions, offsets).
 
-        Where it is one for all offsets the shape is (functions, 1).
+        The shape is (functions, 1) if it is the same for all offsets.
         """
         if self.outer is None or not self._has_outer[patch][place].any():
             return row[:, None]
@@ -107,17 +107,17 @@ class Pattern:
 
     @cached_property
     def _has_outer(self) -> tuple[Any, ...]:
-        """For each patch which functions are coupled with those of another rank, (functions,)."""
+        """For each patch, whether a function is coupled with other ranks, (functions,)."""
         return tuple(table.any(axis=1) for table in self.outer or ())
 
     @cached_property
     def counts(self) -> Ints:
-        """Entries of each sparse row."""
+        """Number of entries of each sparse row."""
         return np.diff(self.starts)
 
     @cached_property
     def mirrored(self) -> tuple[Ints, Ints]:
-        """Entries above the diagonal whose column is this rank's, and their mirror images."""
+        """Entries above the diagonal in this rank's columns, and their transposes."""
         n, inner = self.last - self.first, self.num_inner
         columns = self.columns[:inner] - self.first
         square = csr_array((np.arange(inner), columns, self.starts[: n + 1]), shape=(n, n))
@@ -131,14 +131,14 @@ class Pattern:
         return np.repeat(np.arange(len(self.counts)), self.counts)
 
     def boxes(self, patch: int) -> Iterator[Box]:
-        """Boxes of functions that make up the rows of a patch which are this rank's."""
+        """Yield boxes of functions that cover this rank's rows of a patch."""
         rows = self.rows[patch]
         for box in boxes_of(rows.reshape(*rows.shape, *(1,) * (3 - rows.ndim)) >= 0):
             yield box[0], box[1], box[2]
 
 
 def _apart(starts: Ints, beyond: Any) -> tuple[Ints, Ints]:
-    """Row starts and new numbers where entries beyond, of all rows, come after all others."""
+    """Return row pointers and new positions when entries in other ranks' columns come last."""
     before = np.append(0, np.cumsum(beyond))
     inner = len(beyond) - int(before[-1])
     number = np.where(beyond, inner + before[:-1], np.arange(len(beyond)) - before[:-1])
@@ -146,14 +146,14 @@ def _apart(starts: Ints, beyond: Any) -> tuple[Ints, Ints]:
 
 
 def _filled(where: Any, values: Any, fill: Any) -> Any:
-    """Values where they belong, and another elsewhere."""
+    """Return an array with values where ``where`` is True, and ``fill`` elsewhere."""
     filled = np.full(where.shape, fill, dtype=values.dtype)
     filled[where] = values
     return filled
 
 
 def boxes_of(mask: np.ndarray) -> Iterator[tuple[slice, ...]]:
-    """Cut a set of points of a grid into boxes: runs along an axis of equal cuts across it."""
+    """Divide a set of grid points into boxes: runs of equal cross sections along an axis."""
     if mask.ndim == 0:
         yield ()
         return
@@ -165,7 +165,7 @@ def boxes_of(mask: np.ndarray) -> Iterator[tuple[slice, ...]]:
 
 
 def _steps(patch: Patch) -> Ints:
-    """Difference of the numbers of a function and its partner at each offset."""
+    """Return the difference of the numbers of a function and its partner at each offset."""
     steps = np.zeros(1, dtype=np.int64)
     for p, n in zip(patch.degrees, patch.shape, strict=True):
         steps = (steps[:, None] * n + np.arange(-p, p + 1)).ravel()
@@ -173,7 +173,7 @@ def _steps(patch: Patch) -> Ints:
 
 
 def _coupled(patch: Patch, functions: Ints) -> np.ndarray:
-    """True where functions are coupled with those at each offset, (functions, offsets)."""
+    """Return where functions are coupled with those at each offset, (functions, offsets)."""
     pairs = np.ones((len(functions), 1), dtype=bool)
     for axis, number in enumerate(np.unravel_index(functions, patch.shape)):
         along = Line.of(patch, axis).coupled[number]

@@ -1,10 +1,10 @@
-"""Prolongation between two discretisations of one NURBS body: knot insertion, degree elevation.
+"""Prolongation between two discretisations of a NURBS body: knot insertion, degree elevation.
 
-Along each parameter a coefficient of the fine spline is read off one of its knot spans, on which
-the coarse spline is interpolated: that is exact where the fine space holds the coarse one, and a
-quasi-interpolation of full order where it does not, as with a higher degree *and* continuity (Lee,
-Lyche & Morken, Some examples of quasi-interpolants, 2001). Rational functions with weights w are
-prolonged by their numerators, P = diag(A w)^-1 A diag(w) with A the tensor product.
+Along each parameter a coefficient of the fine spline is computed on one of its knot spans, where
+the coarse spline is interpolated: this is exact if the fine space contains the coarse one, else a
+quasi-interpolation of full order, as for higher degree *and* continuity (Lee, Lyche & Morken, Some
+examples of quasi-interpolants, 2001). Rational functions with weights w are prolonged by their
+numerators, P = diag(A w)^-1 A diag(w) with A the tensor product.
 """
 
 from functools import reduce
@@ -19,21 +19,21 @@ from iga_cea.patch import Patch
 from iga_cea.splines import basis_functions, basis_matrix, gauss_rule
 
 _ROUNDING = 1e-14
-"""Coefficients that are dropped: entries of a partition of unity, and what rounding makes."""
+"""Drop tolerance of coefficients, which are entries of a partition of unity."""
 _SAME = 1e-6
-"""Distance, relative to its size, within which a body is the same in both discretisations."""
+"""Distance, relative to the body, above which the geometries are of different bodies."""
 
 
 def prolongation(coarse: Multipatch, fine: Multipatch, rank: int, field: str) -> csr_array:
-    """Rows of a rank of the prolongation from one space of a body to another of the same patches.
+    """Return a rank's rows of the prolongation between two spaces of the same patches.
 
-    Exact where the fine spaces hold the coarse ones: knots inserted, degrees raised with continuity
-    kept, in any direction. Supports on faces along which held directions turn are projected on
+    Exact if the fine spaces contain the coarse ones: knots inserted, degrees elevated with
+    continuity kept, in any direction. Supports whose directions vary on a face are projected on
     each space (:mod:`iga_cea.supports`).
     """
     before, after = coarse.patches, fine.patches
     if len(before) != len(after) or coarse.dim != fine.dim:
-        allowed = f"{len(before)} in {coarse.dim} dimensions, as the coarse body has"
+        allowed = f"{len(before)} in {coarse.dim} dimensions, as in the coarse body"
         raise InputError(field, f"{len(after)} in {fine.dim} dimensions", allowed)
     first, last = fine.dof_ranges[rank : rank + 2]
     columns = coarse.num_scalar_dofs
@@ -46,13 +46,13 @@ def prolongation(coarse: Multipatch, fine: Multipatch, rank: int, field: str) ->
         entries = (part.data, (part.row, coarse.dofs[number].ravel()[part.col]))
         rows.append(csr_array(coo_array(entries, shape=(int(own.sum()), columns))))
         numbers.append(dofs[own])
-    # A dof of several patches takes its row from the first.
+    # The row of a dof of several patches is that of the first patch.
     place = np.unique(np.concatenate(numbers), return_index=True)[1]
     return csr_array(csr_array(vstack(rows, format="csr"))[place])
 
 
 def _of_patch(coarse: Patch, fine: Patch, field: str) -> csr_array:
-    """Coefficients on a fine patch from those on a coarse one."""
+    """Return the map of coefficients from a coarse to a fine patch."""
     along, error = [], 0.0
     for p, knots, q, refined in zip(
         coarse.degrees, coarse.knots, fine.degrees, fine.knots, strict=True
@@ -71,12 +71,12 @@ def _of_patch(coarse: Patch, fine: Patch, field: str) -> csr_array:
     difference = np.abs(matrix @ coarse.control_points.reshape(-1, fine.dim) - points).max()
     apart = float(difference / np.linalg.norm(np.ptp(points, axis=0)))
     if apart > max(_SAME, error):
-        raise InputError(f"{field}.control_points", f"{apart:.3g} apart", "one body in both")
+        raise InputError(f"{field}.control_points", f"{apart:.3g} apart", "the same body in both")
     return matrix
 
 
 def _of_splines(knots: Floats, p: int, refined: Floats, q: int) -> tuple[csr_array, float]:
-    """Coefficients on fine knots from those on coarse ones, and their largest error."""
+    """Return the map of coefficients from coarse to fine knots, and its largest error."""
     breaks = np.unique(refined)
     count = len(refined) - q - 1
     span = _spans_of_functions(refined, q, breaks)
@@ -102,13 +102,13 @@ def _of_splines(knots: Floats, p: int, refined: Floats, q: int) -> tuple[csr_arr
 
 
 def _spans_of_functions(knots: Floats, degree: int, breaks: Floats) -> Ints:
-    """Span on which each function is largest at the middle: it is best told there, (functions,)."""
+    """Return the span on whose middle each function is largest, for conditioning, (functions,)."""
     middle = 0.5 * (breaks[1:] + breaks[:-1])
     return np.asarray(basis_matrix(knots, degree, middle).toarray().argmax(axis=0))
 
 
 def _inside(breaks: Floats, n: int) -> Floats:
-    """Chebyshev points of each span, (spans, n)."""
+    """Return Chebyshev points of each span, (spans, n)."""
     nodes = np.cos(np.pi * (np.arange(n) + 0.5) / n)
     half = np.diff(breaks)[:, None] / 2
     return (breaks[1:, None] + breaks[:-1, None]) / 2 + half * nodes

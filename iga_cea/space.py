@@ -1,4 +1,4 @@
-"""Displacements on joined NURBS patches."""
+"""Displacement space of joined NURBS patches."""
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -24,18 +24,18 @@ from iga_cea.surface import NurbsSurface
 
 
 class NurbsSpace(NurbsMatrices):
-    """Space of joined NURBS patches, rational with their weights; a :class:`cea.body.Space`.
+    """Space of joined NURBS patches with the weights of the geometry; a :class:`cea.body.Space`.
 
     Parameters
     ----------
     patches
-        Geometry of its patches: degrees, knots, control points, weights, breaks.
+        Geometry of the patches: degrees, knots, control points, weights, breaks.
     faces
         Faces (patch, axis, side) of each named surface.
     degree
-        Degree along each parameter, not below that of the geometry.
+        Degree along each parameter, at least that of the geometry.
     continuity
-        Continuous derivatives at inserted breaks along each parameter; by default degree - 1.
+        Number of continuous derivatives at inserted breaks; by default degree - 1.
     field
         Name of the body in messages.
     comm
@@ -44,8 +44,8 @@ class NurbsSpace(NurbsMatrices):
     Raises
     ------
     InputError
-        When a patch is folded, its degree or a face does not fit, or patches touch that do not
-        conform.
+        If a patch is folded, a degree or face is invalid, or patches touch without being
+        conforming.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class NurbsSpace(NurbsMatrices):
         return self.multipatch.dof_ranges
 
     def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
-        """What supports leave free, held over whole faces."""
+        """Return the constraints of supports over whole faces."""
         count, gauss = self.multipatch.num_scalar_dofs, max(self.degree) + 2
         return face_constraints(self.surfaces, supports, count, self.dim, gauss, field)
 
@@ -91,20 +91,20 @@ class NurbsSpace(NurbsMatrices):
         return self.multipatch.control_points
 
     def prolongation(self, coarse: "NurbsSpace") -> csr_array:
-        """Functions of coarser patches (:mod:`iga_cea.prolongation`)."""
+        """Return the functions of a coarser space (:mod:`iga_cea.prolongation`)."""
         rank, field = self.comm.rank, f"{self._field}.patches"
         return prolongation(coarse.multipatch, self.multipatch, rank, field)
 
     def volume_cells(self) -> VolumeCells:
-        """Bezier elements of the knot spans. Complete on every rank.
+        """Return Bezier elements of the knot spans, complete on every rank.
 
-        Points on joints of patches appear once for each patch.
+        Points on joints are duplicated, once for each patch.
         """
         return bezier_cells(self.multipatch)
 
 
 def _check_degree(degree: tuple[int, ...], patches: Sequence[PatchGeometry], field: str) -> None:
-    """Refuse degrees below that of the geometry."""
+    """Raise InputError if a degree is below that of the geometry."""
     lowest = np.max([patch.degrees for patch in patches], axis=0)
     allowed = f"at least {tuple(lowest.tolist())}, the degree of the geometry"
     require(bool(np.all(np.asarray(degree) >= lowest)), field, degree, allowed)
@@ -113,7 +113,7 @@ def _check_degree(degree: tuple[int, ...], patches: Sequence[PatchGeometry], fie
 def _check_faces(
     faces: Mapping[str, Sequence[End]], patches: Sequence[PatchGeometry], field: str
 ) -> None:
-    """Refuse surfaces with collapsed faces."""
+    """Raise InputError if a surface has a collapsed face."""
     collapsed = [collapsed_lines(patch.control_points) for patch in patches]
     for name, ends in faces.items():
         for patch, axis, side in ends:

@@ -1,9 +1,8 @@
 """PETSc matrices from the entries of the rows of each rank.
 
-A scalar entry of row r at place t becomes, for each component a of the row, one tuple of columns:
-all n components in a full block, or component a alone. Rows lie one after the other, those of the
-components of a scalar row too. Those in columns of this rank come ahead of those in columns of
-others.
+A scalar entry becomes, for each component of its row, one tuple of columns: all n components in a
+full block, or the same component alone. The rows of the components of a scalar row are consecutive.
+The block in columns of this rank precedes that in columns of other ranks.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,11 +18,11 @@ from cea.petsc import PETSc
 from iga_cea.pattern import Pattern
 
 _CACHED = 2**10
-"""Bytes that an entry is counted as: few enough are done at a time to stay in the cache."""
+"""Assumed bytes per entry, chosen so that chunks fit the cache."""
 
 
 def block_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any:
-    """AIJ matrix whose scalar entries are dim x dim blocks; the data become those of the matrix."""
+    """Return an AIJ matrix whose scalar entries are dim x dim blocks; it shares ``data``."""
     columns = pattern.columns.astype(PETSc.IntType)[:, None] * dim
     columns = columns + np.arange(dim, dtype=PETSc.IntType)
     indices = np.empty((dim * len(columns), dim), dtype=PETSc.IntType)
@@ -33,7 +32,7 @@ def block_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any:
 
 
 def component_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any:
-    """AIJ matrix that has a scalar matrix in each component."""
+    """Return an AIJ matrix with the same scalar matrix in each component."""
     columns = pattern.columns.astype(PETSc.IntType) * dim
     indices = np.empty(dim * len(columns), dtype=PETSc.IntType)
     values = np.empty(dim * len(columns))
@@ -46,7 +45,7 @@ def component_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any
 
 
 def combined(pattern: Pattern, parts: Sequence[tuple[Floats, Floats]], dim: int) -> Floats:
-    """Entries of a sum of Kronecker products, as :func:`block_matrix` takes them."""
+    """Return entries of a sum of Kronecker products for :func:`block_matrix`."""
     data = np.zeros((dim * len(pattern.columns), dim))
     for stretch in _stretches(pattern, dim):
         for scalar, factor in parts:
@@ -57,22 +56,22 @@ def combined(pattern: Pattern, parts: Sequence[tuple[Floats, Floats]], dim: int)
 
 @dataclass(frozen=True)
 class _Stretch:
-    """Tuples that lie one after the other, those of the components of some scalar rows."""
+    """Consecutive tuples, those of the components of a range of scalar rows."""
 
-    part: slice  # which these are of all
-    source: Ints  # the scalar entry of each
-    rows: Ints  # how many of them follow one another in a row of the matrix
+    part: slice  # range of the tuples
+    source: Ints  # scalar entry of each tuple
+    rows: Ints  # number of tuples in each row of the matrix
     dim: int  # dimension of space
 
     @property
     def component(self) -> NDArray[Any]:
-        """Component of the row of each."""
+        """Component of the row of each tuple."""
         every = np.arange(len(self.rows), dtype=PETSc.IntType) % self.dim
         return np.repeat(every, self.rows)
 
 
 def _stretches(pattern: Pattern, dim: int) -> Iterator[_Stretch]:
-    """All tuples in turn."""
+    """Yield all tuples in chunks."""
     rows = len(pattern.counts)
     entries = len(pattern.columns) / max(1, rows)
     for part in chunks(rows, max(1.0, entries * dim * _CACHED)):

@@ -3,11 +3,11 @@
     A[i a, j b] = sum_km int C_km[ab] D_k N_i D_m N_j dxi,    i = i1 i2 i3,  D_0 .. D_2 slopes,
 
 is contracted one parameter at a time, the third first (Antolin, Buffa, Calabro, Martinelli &
-Sangalli, Efficient matrix computation for tensor-product isogeometric analysis, 2015); each time
-all functions' products with their partners meet the points of their windows in one matrix product.
-Rows come out slab by slab, a slab having one i1. What the slabs of a box share is either kept at
-few points of the first parameter, where coefficients are separable (:mod:`iga_cea.separation`), or
-at the points of one window, which moves along.
+Sangalli, Efficient matrix computation for tensor-product isogeometric analysis, 2015), each time by
+one matrix product of all functions' products with partners and the points of their windows. Rows
+are computed in slabs of equal i1. What the slabs of a box share is stored either at few points of
+the first parameter, if the coefficients are separable (:mod:`iga_cea.separation`), or at the points
+of a moving window.
 """
 
 from collections.abc import Callable, Iterator
@@ -24,7 +24,7 @@ Box = tuple[slice, slice, slice]
 """Functions of a patch along each parameter."""
 
 _SAMPLES = 5
-"""Points along a parameter at which it is first seen whether coefficients are separable."""
+"""Points along a parameter in the first test whether coefficients are separable."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +32,10 @@ class Form:
     """A bilinear form."""
 
     components: int  # components of each function: 1, or dim
-    # C_km times the Jacobian from the metric, those of m, k the transposes of those of k, m up to a
-    # sign that is the same for all
+    # C_km times the Jacobian from the metric; those of (m, k) are the transposes of those of
+    # (k, m), up to a common sign
     coefficients: Callable[[Metric], Coefficients]
-    # coefficients of the field that goes with the metric, one row for each scalar dof
+    # coefficients of an additional field, one row per scalar dof
     field: Floats | None = None
 
 
@@ -45,15 +45,15 @@ def slabs(
     form: Form,
     box: Box,
 ) -> Iterator[tuple[int, slice, Floats]]:
-    """Rows of the functions of a box, a slab at a time.
+    """Yield the rows of the functions of a box in slabs.
 
-    i1; functions along the second parameter; entries, (functions of the slab, components of the
-    row, offsets, components of the column).
+    A slab has i1, functions along the second parameter, and entries, (functions of the slab,
+    components of the row, offsets, components of the column).
     """
     columns = form.components**2 * np.prod([line.offsets for line in lines[1:]])
     of_window = 4 * lines[0].window * lines[0].points
     of_each = 8 * columns * (box[2].stop - box[2].start) * of_window
-    # Few points take about a fourth of the memory of a window, or less.
+    # Separable coefficients need at most about a fourth of the memory of a window.
     for wide in _cut(box[1], of_each / 4):
         work = _Box(patch_map, lines, form, (box[0], wide, box[2]))
         few = work.separable()
@@ -68,13 +68,13 @@ def slabs(
 
 
 def _cut(whole: slice, bytes_each: float) -> Iterator[slice]:
-    """Functions in chunks of bounded memory."""
+    """Divide functions into chunks of bounded memory."""
     for part in chunks(whole.stop - whole.start, bytes_each):
         yield slice(whole.start + part.start, whole.start + part.stop)
 
 
 class _Box:
-    """Rows of the functions of a box; what they share along the first parameter is held whole."""
+    """Rows of the functions of a box, which share data along the first parameter."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class _Box:
         )
 
     def _layers(self) -> Iterator[tuple[int, Coefficients]]:
-        """Coefficients at the points of each span of the first parameter in turn."""
+        """Yield the coefficients at the points of each span of the first parameter."""
         line = self._lines[0]
         for span in range(self._spans[0].start, self._spans[0].stop):
             first = int(line.first[span])
@@ -100,7 +100,7 @@ class _Box:
             yield span, self._form.coefficients(metric)
 
     def separable(self) -> tuple[dict[Kind, Separation], Coefficients] | None:
-        """Separations, and the coefficients at all their rows; None where there are none."""
+        """Return separations, and the coefficients at their rows; None if not separable."""
         line, spans = self._lines[0], self._spans[0]
         values, slopes = _matrices(line, spans)
         few = []
@@ -129,7 +129,7 @@ class _Box:
     def separated(
         self, found: dict[Kind, Separation], skeleton: Coefficients
     ) -> Iterator[tuple[int, Floats]]:
-        """Rows from few points that stand for all."""
+        """Yield rows from the selected points of separable coefficients."""
         line, functions = self._lines[0], self._box[0]
         across = self._across(skeleton)
         kinds = sorted(across)
@@ -142,7 +142,7 @@ class _Box:
             yield functions.start + i, _rows(pairs, held, self._form.components)
 
     def moving(self) -> Iterator[tuple[int, Floats]]:
-        """Rows from the points of one window, span s of which is kept at s modulo its length."""
+        """Yield rows from a moving window, in which span s is stored at s modulo its length."""
         line, functions = self._lines[0], self._box[0]
         starts, done = line.starts, self._spans[0].start
         layers = self._layers()
@@ -167,7 +167,7 @@ class _Box:
             yield i, _rows(pairs.reshape(len(pairs), -1), flat, self._form.components)
 
     def _across(self, coefficients: Coefficients) -> dict[Kind, Floats]:
-        """Contracted over the third and the second parameter, as :func:`_rows` wants them."""
+        """Contract over the third and the second parameter, in the layout of :func:`_rows`."""
         n = self._form.components
         line, functions = self._lines[2], self._box[2]
         windows = _windows(line, functions, self._spans[2].start)
@@ -202,13 +202,13 @@ class _Box:
 
 
 def _rows(pairs: Floats, held: Floats, components: int) -> Floats:
-    """The first parameter contracted, (functions, components, offsets, components)."""
+    """Contract over the first parameter, (functions, components, offsets, components)."""
     rows = np.matmul(pairs, held.transpose(1, 0, 2))
     return rows.reshape(rows.shape[0] // components, components, -1, components)
 
 
 def _spans(line: Line, functions: slice) -> slice:
-    """Spans in the windows of functions."""
+    """Return the spans in the windows of functions."""
     starts = line.starts[functions]
     return slice(int(starts[0]), int(starts[-1]) + line.window)
 
@@ -218,12 +218,12 @@ def _matrices(line: Line, spans: slice) -> tuple[Floats, Floats]:
 
 
 def _windows(line: Line, functions: slice, start: int) -> list[slice]:
-    """Points of the windows of functions, counted from a span."""
+    """Return the points of the windows of functions, numbered from a span."""
     first = (line.starts[functions] - start) * line.points
     return [slice(int(f), int(f) + line.window * line.points) for f in first]
 
 
 def _window_points(line: Line, functions: slice, start: int) -> np.ndarray:
-    """The same as numbers, (functions, points of a window)."""
+    """Return the same as indices, (functions, points of a window)."""
     first = (line.starts[functions] - start) * line.points
     return first[:, None] + np.arange(line.window * line.points)

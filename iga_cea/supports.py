@@ -1,24 +1,24 @@
-"""Supports of a NURBS body: exact on flat faces, projected on curved ones.
+"""Supports of a NURBS body: pointwise for uniform directions, projected for varying ones.
 
-A direction that is the same all over a face is held at each of its control points, which holds it
-all over the face. One that turns, as the normal of a cylinder does, cannot be held so: control
-points do not lie on the face, and products of a rational spline with the direction leave the space.
-There the component u . d is made orthogonal to the trace space,
+A direction that is uniform on a face is constrained at each of its control points, which constrains
+it on the whole face. For a direction that varies, as the normal of a cylinder, this is impossible:
+control points do not lie on the face, and products of a rational spline with the direction are not
+in the space. Instead the component u . d is made orthogonal to the trace space,
 
     int R_i (u . d) dA = 0    for every function i of the face,
 
-one row for each control point, solved for the component along d at its Greville abscissa.
+one row per control point, solved for the component along d at its Greville abscissa.
 
-Why projected and not collocated at the Greville abscissae: u . d does not vanish between the
-points, and eigenvalues feel the work of the reaction t on it, int t (u . d) dA (Strang's second
-lemma). Collocation leaves that of order q + 1. Projection leaves int (t - Pi t) (u . d) dA, Pi t
-the projected reaction, of order 2 q + 2, below the 2 q of the discretisation. In a ring of 6 by 24
-elements with u_r = 0 at its rims, lowest kappa: errors 8e-5, 5e-7, 8e-9 projected and 3e-4, 2e-4,
-6e-5 collocated for q = 2, 3, 4. Either admits exactly a motion whose u . d vanishes everywhere, so
-that a body between rollers still rotates freely about their axis.
+Projection is more accurate than collocation at the Greville abscissae: u . d does not vanish
+between the points, and the error of eigenvalues is the work of the reaction t on it,
+int t (u . d) dA (Strang's second lemma). For collocation this is of order q + 1. For projection it
+is int (t - Pi t) (u . d) dA, Pi t the projected reaction, of order 2 q + 2, above the 2 q of the
+discretisation. In a ring of 6 by 24 elements with u_r = 0 at its boundaries, errors of the lowest
+kappa are 8e-5, 5e-7, 8e-9 projected and 3e-4, 2e-4, 6e-5 collocated for q = 2, 3, 4. Both admit
+exactly a motion with u . d = 0 everywhere, so that a body between rollers rotates freely.
 
-Where a direction is held at an edge already, the rows of the edge are dropped with it. Values that
-a support prescribes take the place of the zeros.
+Where a direction is already constrained at an edge, the rows of the edge for it are dropped.
+Prescribed values replace the zeros.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,10 +36,10 @@ from cea.supports.elimination import ProjectedConstraints, constrain
 from iga_cea.surface import NurbsSurface
 
 _SAME = 1e-10
-"""Deviation of unit directions that is taken for rounding."""
+"""Deviation of unit directions treated as rounding."""
 
 _SMOOTH = 1.0 - 1e-8
-"""Cosine of directions at a joint of faces, about 1e-4 rad, from which they are one."""
+"""Cosine of directions at a joint (an angle of 1e-4 rad) above which they are one."""
 
 
 def face_constraints(
@@ -50,7 +50,7 @@ def face_constraints(
     gauss: int,
     field: str,
 ) -> Constraints:
-    """Hold the directions of the supports over whole faces."""
+    """Return the constraints of the supports over whole faces."""
     held: list[Directions] = []
     turning: list[_TurningFace] = []
     for order, support in enumerate(supports):
@@ -75,10 +75,10 @@ def face_constraints(
 
 @dataclass(frozen=True)
 class _TurningFace:
-    """A face with a held direction that turns along it."""
+    """Face with a constrained direction that varies on it."""
 
-    # its scalar dofs, each once, with the direction at its Greville abscissa and the displacement
-    # along it, the same all over the face
+    # its scalar dofs, each once, with the direction at its Greville abscissa and the uniform
+    # displacement along it
     anchor: Directions
     trace: csr_array  # values of the functions at Gauss points, (n, num_scalar_dofs)
     weight: Floats  # area weights of these points (m^2; m in 2D), (n,)
@@ -86,14 +86,14 @@ class _TurningFace:
 
 
 def _at_greville(surface: NurbsSurface, number: int, support: Support) -> Floats:
-    """Directions of a support at the Greville abscissae of a face, (directions, n, dim)."""
+    """Return the directions of a support at a face's Greville points, (directions, n, dim)."""
     at = surface.function_points("greville")
     at = at[at.element == number]
     return support.directions(surface.position(at), surface.normal(at))
 
 
 def _projected(faces: Sequence[_TurningFace], dim: int) -> ProjectedConstraints:
-    """Rows of int R_i (u . d) dA over the faces that dof i joins smoothly."""
+    """Return rows of int R_i (u . d) dA over the faces that join smoothly at dof i."""
     anchors = Directions.joined([face.anchor for face in faces], dim)
     label = merged(anchors, _SMOOTH)
     count = int(label.max()) + 1
@@ -113,7 +113,7 @@ def _projected(faces: Sequence[_TurningFace], dim: int) -> ProjectedConstraints:
 
 
 def _tests(face: _TurningFace, labels: Ints, count: int) -> csr_array:
-    """Weighted values of the functions at the Gauss points, in their rows, (count, n)."""
+    """Return weighted values of the functions at the Gauss points, by row, (count, n)."""
     row = np.zeros(face.trace.shape[1], dtype=np.int64)
     row[face.anchor.dof] = labels
     points = coo_array(face.trace)

@@ -17,16 +17,16 @@ _AREA_POINTS = 12
 """Gauss points per span for the area: a quarter circle in one span needs ten for 1e-14."""
 
 _TRIED_POINTS = (4, 5)
-"""Gauss points per span that are enough, of fine spans, if they give the same area."""
+"""Gauss points per span that suffice if both give the same area, as on fine spans."""
 
 _SAME_AREA = 1e-14
-"""Difference of areas, relative to them, that is rounding."""
+"""Relative difference of areas treated as rounding."""
 
 
 class NurbsSurface(Surface):
-    """Faces of patches under one name; its elements are these faces, 0 to n - 1 in their order.
+    """Named faces of patches; its elements are these faces, numbered from 0 in their order.
 
-    A face with a kink is cut there, and counts as several.
+    A face with kinks is divided there into several elements.
     """
 
     abscissa_kinds = ("greville", "botella")
@@ -38,12 +38,12 @@ class NurbsSurface(Surface):
 
     @cached_property
     def domains(self) -> tuple[Floats, Floats]:
-        """Least and greatest parameters of each face, both (faces, dim - 1)."""
+        """Lower and upper ends of the parameters of each face, both (faces, dim - 1)."""
         ends = np.array([[knots[[0, -1]] for knots in face.knots] for face in self.faces])
         return ends[:, :, 0], ends[:, :, 1]
 
     def cells(self) -> SurfaceCells:
-        """Knot spans of all faces."""
+        """Return the knot spans of all faces."""
         return self._cells
 
     @cached_property
@@ -64,23 +64,23 @@ class NurbsSurface(Surface):
 
     @cached_property
     def element_areas(self) -> Floats:
-        """Area (m^2; length in 2D) of each face, by Gauss quadrature of no more points than due."""
+        """Area (m^2; length in 2D) of each face, by the cheapest sufficient Gauss quadrature."""
         few, more = (self._areas_by(n) for n in _TRIED_POINTS)
         same = abs(few.sum() - more.sum()) <= _SAME_AREA * more.sum()
         return more if same else self._areas_by(_AREA_POINTS)
 
     def _areas_by(self, n: int) -> Floats:
-        """Areas of the faces by n points per span and direction."""
+        """Return the areas of the faces with n Gauss points per span and direction."""
         points = self.gauss_points(n)
         faces = range(len(self.faces))
         return np.array([points.weight[points.at.element == number].sum() for number in faces])
 
     def size(self, element: Ints) -> Floats:
-        """Diameter (m) of the largest knot span of each face."""
+        """Return the diameter (m) of the largest knot span of each face."""
         return np.array([face.size for face in self.faces])[element]
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
-        """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
+        """Return positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
         x = np.empty((len(element), self.dim))
         derivatives = np.empty((len(element), self.dim, self.dim - 1))
         for face, rows in self._pieces(element):
@@ -88,7 +88,7 @@ class NurbsSurface(Surface):
         return x, derivatives
 
     def area_normals(self, at: SurfaceCoordinates) -> tuple[Floats, Floats, Floats]:
-        """Positions, outward unit normals, and area per area of xi; limits on collapsed edges."""
+        """Return positions, unit normals, area per area of xi; limits on collapsed edges."""
         x, normal = np.empty((2, len(at), self.dim))
         area = np.empty(len(at))
         for face, rows in self._pieces(at.element):
@@ -96,7 +96,7 @@ class NurbsSurface(Surface):
         return x, normal, area
 
     def _pieces(self, element: Ints) -> Iterator[tuple[PatchFace, Ints]]:
-        """Each face with the rows of its points, a chunk at a time."""
+        """Yield each face with the rows of its points, in chunks."""
         for number, face in enumerate(self.faces):
             rows = np.flatnonzero(element == number)
             for part in chunks(len(rows), 8 * 2 * face.functions * (3 * self.dim + 2)):
@@ -108,16 +108,16 @@ class NurbsSurface(Surface):
         return np.concatenate([face.outer_dofs for face in self.faces])
 
     def function_points(self, kind: str) -> SurfaceCoordinates:
-        """``greville``: tensor Greville abscissae. ``botella``: maxima of the tensor B-splines.
+        """Return tensor Greville abscissae (``greville``) or B-spline maxima (``botella``).
 
-        Of the rational functions the latter are not quite the maxima.
+        The latter are only approximately the maxima of the rational functions.
         """
         grids = [face.abscissae(kind) for face in self.faces]
         element = np.repeat(np.arange(len(grids)), [len(grid) for grid in grids])
         return SurfaceCoordinates(element, np.concatenate(grids))
 
     def values(self, at: SurfaceCoordinates, columns: Ints, count: int) -> csr_array:
-        """Values of the functions of faces; of collapsed control points they are added."""
+        """Return values of face functions; those of coinciding control points are summed."""
         starts = self._starts(at, layers=1)
         places, values = np.empty(starts[-1], dtype=np.int64), np.empty(starts[-1])
         before = np.cumsum([0, *(len(face.outer_dofs) for face in self.faces)])
@@ -128,7 +128,7 @@ class NurbsSurface(Surface):
         return self._operator(starts, places, values, count)
 
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
-        """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
+        """Return derivatives of the scalar basis along x, y, z, each (n, num_scalar_dofs)."""
         starts = self._starts(at, layers=2)
         columns, values = np.empty(starts[-1], dtype=np.int64), np.empty((self.dim, starts[-1]))
         for face, points in self._pieces(at.element):
@@ -139,27 +139,27 @@ class NurbsSurface(Surface):
         return tuple(self._operator(starts, columns, part, count) for part in values)
 
     def _starts(self, at: SurfaceCoordinates, layers: int) -> Ints:
-        """Where the entries of each point begin, and where they end, (n + 1,)."""
+        """Return the row pointers of the points, (n + 1,)."""
         functions = np.array([layers * face.functions for face in self.faces])
         return np.concatenate([[0], np.cumsum(functions[at.element])])
 
     def _operator(self, starts: Ints, columns: Ints, values: Floats, count: int) -> csr_array:
-        """Rows of points; where control points have collapsed to one their functions are added."""
+        """Return the rows of points; functions of coinciding control points are summed."""
         operator = csr_array((values, columns, starts), shape=(len(starts) - 1, count), copy=True)
-        operator.sum_duplicates()  # in place, and other operators are made of the same arrays
+        operator.sum_duplicates()  # in place, on a copy: other operators use the same arrays
         return operator
 
     def join_smoothly(self, at: SurfaceCoordinates, pairs: Ints) -> NDArray[np.bool_]:
-        """Whether faces join smoothly at pairs of points that lie at one place.
+        """Return whether faces join smoothly at pairs of coincident points.
 
-        A face is smooth: limits of its normal where an edge has collapsed are one.
+        A face is smooth: its normal at a collapsed edge is a unique limit.
         """
         one, other = pairs.T
         cosine = np.einsum("ij,ij->i", self.normal(at[one]), self.normal(at[other]))
         return (cosine >= TANGENT) | (at.element[one] == at.element[other])
 
     def shares(self) -> Floats:
-        """Integrals of the split trace functions, which are positive (m^2), (functions,).
+        """Return integrals of the split trace functions, which are positive (m^2), (functions,).
 
         Matzen & Bischoff, A weighted point-based formulation for isogeometric contact, CMAME 308
         (2016).

@@ -1,4 +1,4 @@
-"""Bodies, and the spaces that backends give for them."""
+"""Bodies, and the interface of their spaces, which backends implement."""
 
 from cea.body.body import Body
 from cea.body.space import Space

@@ -1,8 +1,8 @@
-"""Elastic bodies: a space with material, supports, springs and loads.
+"""Elastic bodies: a discrete space with material, supports, springs and loads.
 
-The *free* vector of a body is what its supports leave of the full one, and its expansion Z
-(full x free) goes from one to the other. A backend knows full matrices only: a body adds supports,
-springs and loads, and reduces once, to Z^T A Z.
+The *free* vector of a body contains the unknowns that its supports do not remove; the expansion Z
+(full x free) maps it to the full vector. A backend makes full matrices only; a body adds supports,
+springs and loads, and reduces the matrices to Z^T A Z.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -35,7 +35,7 @@ from cea.surface import Surface
 
 
 def _kept(make: Callable[["Body"], Any]) -> Callable[["Body"], Any]:
-    """A method of a body that makes something once, and gives the same again."""
+    """Cache the result of a method of a body."""
 
     @wraps(make)
     def found(body: "Body") -> Any:
@@ -49,27 +49,27 @@ def _kept(make: Callable[["Body"], Any]) -> Callable[["Body"], Any]:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Elastic body: matrices without its supports' dofs, loads, named surfaces.
+    """Elastic body: matrices of the free dofs, loads, named surfaces.
 
-    Matrices are made when first asked for; stiffness, mass and load are kept. Asking is collective.
+    Matrices are made on first use, which is collective; stiffness, mass and load are cached.
 
     Parameters
     ----------
     name
         Name of the body.
     space
-        Its discretisation.
+                Discretisation.
     material
         Material.
     supports, springs, pressures, forces
-        What holds and loads the named surfaces; springs are part of the stiffness.
+                Supports and loads of the named surfaces; springs are part of the stiffness.
     made_of
-        What it was made of: where a scene makes a body of the same, it is used again.
+                Key of its input data: a scene with the same data reuses the body.
 
     Raises
     ------
     InputError
-        When a surface is unknown, or a component, spring or force does not suit the dimension.
+                If a surface is unknown, or a component, spring or force does not fit the dimension.
 
     Examples
     --------
@@ -117,7 +117,7 @@ class Body:
 
     @property
     def num_scalar_dofs(self) -> int:
-        """Scalar basis functions over all ranks."""
+        """Number of scalar basis functions on all ranks."""
         return int(self.space.ranges[-1])
 
     @property
@@ -127,30 +127,30 @@ class Body:
 
     @property
     def density(self) -> float:
-        """Density (kg/m^3), refused where the material has none."""
+        """Density (kg/m^3); InputError if the material has none."""
         return self.material.density(f"bodies.{self.name}.material")
 
     @property
     def _own(self) -> tuple[int, int]:
-        """First scalar dof of this rank, and that of the next."""
+        """First scalar dof of this rank, and of the next."""
         first, last = self.space.ranges[self.comm.rank : self.comm.rank + 2]
         return int(first), int(last)
 
     @cached_property
     def constraints(self) -> Constraints:
-        """What supports leave free."""
+        """Constraints of the supports."""
         return self.space.constrain(self.supports, f"bodies.{self.name}.supports")
 
     @cached_property
     def expansion(self) -> Any:
-        """Z, PETSc AIJ (full x free): displacement of every dof from the free ones."""
+        """Z, PETSc AIJ (full x free), which maps free dofs to displacements of all dofs."""
         return self.constraints.expansion(*self._own, self.comm)
 
     def reduced(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
-        """Z^T A Z of a matrix A of all dofs, PETSc AIJ (free x free); A is freed.
+        """Return Z^T A Z, PETSc AIJ (free x free), of a matrix A of all dofs; A is destroyed.
 
-        A is symmetric or skew to the last bit, and ``exactly`` makes the product so again where Z
-        is more than a selection of dofs.
+        A is symmetric or skew to the last bit, and ``exactly`` restores that of the product if Z is
+        more than a selection of dofs.
         """
         if not len(self.constraints.dofs):
             return matrix
@@ -160,7 +160,7 @@ class Body:
             own = PETSc.IS().createGeneral(kept.astype(PETSc.IntType), comm=Z.comm)
             free = matrix.createSubMatrix(own, own)
         else:
-            # Ten times faster than PtAP of serial AIJ where dependent dofs have long rows.
+            # Ten times faster than PtAP of serial AIJ if dependent dofs have long rows.
             half = matrix.matMult(Z)
             free = exactly(Z.transposeMatMult(half))
             destroy(half)
@@ -169,11 +169,11 @@ class Body:
 
     @_kept
     def stiffness(self) -> Any:
-        """Elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
+        """Return the elastic stiffness with springs, PETSc AIJ (free x free), symmetric, N/m."""
         return self.reduced(self.full_stiffness())
 
     def full_stiffness(self) -> Any:
-        """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
+        """Return the stiffness with springs, PETSc AIJ (full x full), N/m; not cached."""
         stiffness = self.space.stiffness(self.material.elasticity)
         if (springs := self.full_spring_stiffness()) is not None:
             stiffness.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
@@ -182,12 +182,12 @@ class Body:
 
     @_kept
     def spring_stiffness(self) -> Any | None:
-        """What springs are of the stiffness, PETSc AIJ (free x free), N/m; None without any."""
+        """Return the stiffness of springs, PETSc AIJ (free x free), N/m; None without springs."""
         springs = self.full_spring_stiffness()
         return None if springs is None else self.reduced(springs)
 
     def full_spring_stiffness(self) -> Any | None:
-        """What springs are of that of all dofs, PETSc AIJ (full x full), N/m; None without any."""
+        """Return the stiffness of springs, PETSc AIJ (full x full), N/m; None without springs."""
         if not self.springs:
             return None
         own = slice(*(self.dim * number for number in self._own))
@@ -196,38 +196,38 @@ class Body:
 
     @_kept
     def mass(self) -> Any:
-        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg."""
+        """Return the consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg."""
         return self.reduced(self.space.mass(self.density))
 
     def gyroscopic(self, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.motion`), PETSc AIJ (free x free), kg, skew."""
+        """Return Y at 1 rad/s (:mod:`cea.motion`), PETSc AIJ (free x free), kg, skew."""
         return self.reduced(self.space.gyroscopic(self.density, rotation), antisymmetrised)
 
     def convective_stiffness(self, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.motion`), PETSc AIJ (free x free), kg, symmetric."""
+        """Return Z of :mod:`cea.motion`, PETSc AIJ (free x free), kg, symmetric."""
         return self.reduced(self.space.convective(self.density, rotation))
 
     def geometric_stiffness(self, displacement: Floats) -> Any:
-        """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
+        """Return the geometric stiffness of a displacement, PETSc AIJ (free x free), N/m."""
         return self.reduced(self.space.geometric_stiffness(self.material.elasticity, displacement))
 
     @cached_property
     def prescribed(self) -> Floats | None:
-        """u_D, displacement that supports prescribe of the dofs of this rank (m); None of zero."""
+        """u_D, prescribed displacement of the dofs of this rank (m); None if it is zero."""
         return self.constraints.prescribed_displacement(*self._own)
 
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
-        """Of a sum of forces on all dofs (N), (num_scalar_dofs, dim), those of each support.
+        """Split the support forces on all dofs (N), (num_scalar_dofs, dim), by support.
 
-        The scalar dofs that supports hold, shape (m,), and the forces there, (supports, m, dim),
-        along the directions that each holds and no other.
+        Return the constrained scalar dofs, shape (m,), and the forces on them, (supports, m, dim),
+        along the directions that each support constrains.
         """
         held = self.constraints
         return held.dofs, held.split(force[held.dofs], len(self.supports))
 
     @_kept
     def load(self) -> Any:
-        """Z^T (F - K u_D): forces of loads and of prescribed displacements, PETSc (free), N."""
+        """Return Z^T (F - K u_D), forces of loads and prescribed displacements, PETSc (free), N."""
         full, free = self.full_load(), self.expansion.createVecRight()
         if self.prescribed is not None:
             stiffness = self.full_stiffness()
@@ -237,7 +237,7 @@ class Body:
         return free
 
     def full_load(self) -> Floats:
-        """F: forces of loads on the dofs of this rank (N), full."""
+        """Return F, the forces of loads on the dofs of this rank (N), full."""
         forces, volume = np.zeros((self.num_scalar_dofs, self.dim)), np.zeros(self.dim)
         loads: list[Pressure | Force] = [*self.pressures, *self.forces]
         for load in loads:
@@ -245,7 +245,7 @@ class Body:
                 volume += load.value
                 continue
             surface, q = self.surfaces[load.surface], self.surfaces[load.surface].cells().degree
-            # Of facets of degree q, function times normal times area element has up to 3 q - 1.
+            # On facets of degree q, function times area normal has degree up to 3 q - 1.
             count = (3 * q + 1) // 2 if isinstance(load, Pressure) else q + 1
             points = surface.gauss_points(count)
             traction = points.weight[:, None] * load.traction(points)
@@ -259,14 +259,14 @@ class Body:
 
 
 def _foundation(surface: Surface, spring: Spring) -> csr_array:
-    """Matrix of a spring on all dofs: int k_c phi_m phi_n on the diagonal of components c."""
+    """Return the full matrix of a spring: int k_c phi_m phi_n on the diagonal of component c."""
     points = surface.gauss_points(surface.cells().degree + 1)
     scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
     return csr_array(kron(scaled.T @ scaled, diags_array(np.asarray(spring.stiffness))))
 
 
 def free_operator(operator: csr_array, body: Body) -> Any:
-    """An operator on full dofs, the rows of this rank, on free dofs: A Z, PETSc AIJ."""
+    """Return A Z, PETSc AIJ, for an operator A on full dofs, given by the rows of this rank."""
     full = distributed(operator, body.expansion.getSizes()[0], body.comm)
     free = times(full, body.expansion)
     destroy(full)
@@ -274,7 +274,7 @@ def free_operator(operator: csr_array, body: Body) -> Any:
 
 
 def system_operator(bodies: Mapping[str, Body], parts: Mapping[str, csr_array], rows: int) -> Any:
-    """Operators on full dofs of some bodies as one on the unknowns of the whole system."""
+    """Combine operators on full dofs of bodies to one on the unknowns of the system."""
     blocks = [
         free_operator(parts[name], body)
         if name in parts

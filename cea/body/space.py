@@ -1,4 +1,4 @@
-"""What a backend must offer to make a body, and its cells; surfaces in :mod:`cea.surface`.
+"""Interface of the space of a body, and its cells; surfaces are in :mod:`cea.surface`.
 
 A space has scalar basis functions numbered 0 .. ``num_scalar_dofs`` - 1 over all ranks. A *full*
 displacement vector holds component c of function i at ``dim * i + c``.
@@ -22,17 +22,17 @@ from cea.surface import Surface
 
 @dataclass(frozen=True)
 class VolumeCells:
-    """Cells of a body with geometry and displacement as they are, for programs that draw such.
+    """Cells of a body with exact geometry and displacement, for visualisation programs.
 
-    Lagrange elements on equally spaced nodes, or the rational Bezier elements of knot spans. Both
-    have one point for each (i, j, k) of a lattice: 0 <= i, j, k <= degree in boxes,
-    i + j + k <= degree in simplices. Fields of Lagrange elements pass through the values at the
-    points; of Bezier elements points and values are rational Bezier coefficients.
+    They are Lagrange elements on equally spaced nodes, or rational Bezier elements of knot spans.
+    Both have one point for each (i, j, k) of a lattice: 0 <= i, j, k <= degree in boxes,
+    i + j + k <= degree in simplices. Lagrange elements interpolate the values at their points;
+    points and values of Bezier elements are rational Bezier coefficients.
     """
 
     kind: Literal["lagrange", "bezier"]
     simplex: bool  # whether cells are triangles or tetrahedra
-    degree: int  # along every direction, to which lower ones are raised: programs are surest there
+    degree: int  # the same in every direction: lower degrees are elevated
     points: Floats  # positions (m), shape (n, dim)
     weights: Floats  # rational weights of the points, shape (n,); 1 for Lagrange elements
     # points of each right-handed cell in C order of the lattice, shape (n_cells, points of a cell)
@@ -40,7 +40,7 @@ class VolumeCells:
     values: csr_array  # coefficients there of the scalar basis functions, (n, num_scalar_dofs)
 
     def straight(self) -> "StraightCells":
-        """Straight cells through the corners of these, on which fields are what they are."""
+        """Return straight cells through the corners of these cells, with the same fields there."""
         dim = self.points.shape[1]
         places = lattice(dim, self.degree, self.simplex).tolist()
         corners = np.vstack([np.zeros((1, dim), dtype=int), np.eye(dim, dtype=int)])
@@ -56,7 +56,7 @@ class VolumeCells:
 
 @dataclass(frozen=True)
 class StraightCells:
-    """Points of a body joined to straight cells."""
+    """Straight cells of a body."""
 
     points: Floats  # positions (m), (n, dim)
     cells: Ints  # points in VTK order, (n_cells, dim + 1) simplices or (n_cells, 2^dim) boxes
@@ -64,10 +64,10 @@ class StraightCells:
 
 
 class Space(Protocol):
-    """Displacements of a body on one discretisation: all that a backend implements.
+    """Discrete displacement space of a body: the interface that a backend implements.
 
-    Matrices are PETSc AIJ of all dofs (full x full), made anew at each call and given away; making
-    one is collective. Symmetric and skew ones are so to the last bit.
+    Matrices are PETSc AIJ of all dofs (full x full), owned by the caller; making one is
+    collective. Symmetric and skew matrices are so to the last bit.
     """
 
     @property
@@ -80,29 +80,29 @@ class Space(Protocol):
 
     @property
     def ranges(self) -> Ints:
-        """First scalar dof of each rank, and the end of the last, rising, shape (ranks + 1,)."""
+        """First scalar dof of each rank, and the end of the last, shape (ranks + 1,)."""
 
     @property
     def surfaces(self) -> Mapping[str, Surface]:
         """Named surfaces, the same on every rank."""
 
     def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
-        """What supports leave free; the field is their name in messages."""
+        """Return the constraints of supports; ``field`` is their name in messages."""
 
     def stiffness(self, elasticity: Elasticity) -> Any:
-        """Elastic stiffness (N/m) of a law of the material, symmetric."""
+        """Return the elastic stiffness (N/m), symmetric."""
 
     def mass(self, rho: float) -> Any:
-        """Consistent mass at a density (kg/m^3), symmetric, kg; components are not coupled."""
+        """Return the consistent mass at a density (kg/m^3), symmetric, block diagonal, kg."""
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.motion`) at a density (kg/m^3), skew, kg."""
+        """Return Y at 1 rad/s (:mod:`cea.motion`) at a density (kg/m^3), skew, kg."""
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.motion`) at a density (kg/m^3), symmetric, kg."""
+        """Return Z of :mod:`cea.motion` at a density (kg/m^3), symmetric, kg."""
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
-        """Int sigma_ij d_i u . d_j v with the stress sigma of a displacement, symmetric, N/m.
+        """Return int sigma_ij d_i u . d_j v with the stress of a displacement, symmetric, N/m.
 
         The displacement of all dofs (m) is the same on every rank, (dim * num_scalar_dofs,)
         (Wriggers, Nonlinear Finite Element Methods, 2008, sec. 4.2.3).
@@ -112,15 +112,15 @@ class Space(Protocol):
     def dof_positions(self) -> Floats | None:
         """Coefficients of the position x in the space (m), on every rank; collective.
 
-        Shape (num_scalar_dofs, dim); None where x does not lie in it, so that a rotation does not.
+        Shape (num_scalar_dofs, dim); None if x, and hence a rigid rotation, is not in the space.
         """
 
     def prolongation(self, coarse: Any) -> csr_array:
-        """Functions of a coarser space of the same backend, body and ranks in this one.
+        """Return the functions of a coarser space of the same backend, body and ranks in this one.
 
         The coefficients of all coarse functions on the scalar dofs of this rank, shape
-        (n_local, coarse num_scalar_dofs). Refused where the spaces are not those of one body.
+        (n_local, coarse num_scalar_dofs). Raise InputError if the spaces are of different bodies.
         """
 
     def volume_cells(self) -> VolumeCells:
-        """Cells of the body with geometry and functions as they are; complete on rank 0."""
+        """Return the cells of the body with exact geometry and functions; complete on rank 0."""

@@ -1,1 +1,1 @@
-"""From points to operators: interfaces, formulations, laws, and the matrices they make."""
+"""Contact: interfaces, formulations, laws, and their matrices."""

@@ -1,11 +1,11 @@
-"""Coordinates of points in the cells of a surface, continued beyond the cells.
+"""Coordinates of points in the cells of a surface, extrapolated beyond the cells.
 
-A cell of the opposite surface may overlap a cell in part only, so that some of its corners have
-coordinates beyond it. There the polynomials of the cell go on, which keeps parameter lines straight
-in its coordinates. Far out they turn back, or come round, and a corner would seem to lie on the
-wrong side. Coordinates are therefore followed from the centre of the cell along the straight line
-to the point, and polynomials trusted for as long as they turn by less than a right angle on the
-way. The rest of the way, if any, is covered in the tangent plane at the centre.
+A cell of the opposite surface may overlap a cell only partly, so that some of its corners lie
+outside. Outside, the polynomials of the cell are extrapolated, which keeps parameter lines straight
+in its coordinates. Far outside, the polynomials fold over or come full circle, and a corner would
+appear on the wrong side. Coordinates are therefore continued along the straight line from the
+centre of the cell to the point, as long as the tangents turn by less than a right angle. The rest
+of the line, if any, is projected on the tangent plane at the centre.
 """
 
 from dataclasses import dataclass
@@ -20,15 +20,15 @@ from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 
 _NEWTON = 1e-9
-"""Last step of Newton's method, relative to the cell; the error after it is its square."""
+"""Newton step, relative to the cell, that ends the iteration; the error is its square."""
 _MAX_ITERATIONS = 60
-_SHORTEST = 2.0**-6  # damping below which a line is taken to have reached its end of trust
+_SHORTEST = 2.0**-6  # damping factor below which continuation along a line stops
 _FOLDED = 1e-8
-"""Determinant of the deformation, relative to the power of its trace, that counts as a fold."""
+"""Determinant of the deformation, relative to a power of its trace, that indicates a fold."""
 
 
 def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: Floats) -> Floats:
-    """Project points on cells along the normals at their centres."""
+    """Return coordinates of points projected on cells along the normals at the cell centres."""
     m = x.shape[1]
     middle = corners.mean(axis=1)
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -46,7 +46,7 @@ def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: F
     if lost.any():
         raise ConvergenceError(
             f"{lost.sum()} of {len(points)} points cannot be mapped to cells of {surface.name}: "
-            "some of its cells are bent by a right angle or folded; refine them",
+            "some of its cells turn by a right angle or are folded; refine them",
             best=xi,
         )
     return xi
@@ -54,21 +54,21 @@ def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: F
 
 @dataclass(frozen=True)
 class _Lines:
-    """Straight lines from the centres of cells, seen along the normals at the centres."""
+    """Straight lines from the centres of cells, projected along the normals at the centres."""
 
-    surface: Surface  # the surface
+    surface: Surface
     element: Ints  # element of each cell, (n,)
     middle: Floats  # reference coordinates of its centre, (n, dim - 1)
-    extent: Floats  # its size along each of them, (n, dim - 1)
+    extent: Floats  # size of the cell in each coordinate, (n, dim - 1)
     normal: Floats  # unit normal at its centre, (n, dim)
-    inverse: Floats  # inverse of the Jacobian there, the normal its last direction, (n, dim, dim)
+    inverse: Floats  # inverse of [tangents, -normal] at the centre, (n, dim, dim)
 
     def follow(self, cell: Ints, x: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """Follow the line to each point as far as the polynomials are trusted.
+        """Continue along the line to each point while the polynomials are valid.
 
-        Newton's method, damped so that each step brings the point nearer as seen from where it
-        began (Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3), keeps to the
-        line: coordinates beyond a fold, or round a circle, are never reached.
+        Newton's method, damped by the monotonicity test with the simplified Newton step
+        (Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3), stays on the line and
+        never reaches coordinates beyond a fold or a full circle.
         """
         xi = self.middle[cell]
         met = np.zeros(len(xi), dtype=bool)
@@ -76,7 +76,7 @@ class _Lines:
         damping = np.ones(len(xi))
         position, known = self.surface.tangents(self.element[cell], xi)
         step = newton_step(known, self.normal[cell], x - position)
-        # What is tried too far out overflows, or meets a pole of a rational face.
+        # Trial points far outside may overflow or meet a pole of a rational face.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for _ in range(_MAX_ITERATIONS):
                 met[active] = self._size(cell[active], step[active]) <= _NEWTON
@@ -103,18 +103,18 @@ class _Lines:
         return xi, met
 
     def beyond(self, cell: Ints, xi: Floats, x: Floats) -> Floats:
-        """Go on from xi to points in the tangent planes at the centres."""
+        """Continue from xi to the points in the tangent planes at the centres."""
         position, _ = self.surface.tangents(self.element[cell], xi)
         return xi + np.einsum("nij,nj->ni", self.inverse[cell, :-1], x - position)
 
     def _size(self, cell: Ints, step: Floats) -> Floats:
-        """Largest component of a step, relative to the cell."""
+        """Return the largest component of a step, relative to the cell."""
         return np.abs(step / self.extent[cell]).max(axis=1)
 
     def _trusted(self, cell: Ints, position: Floats, tangents: Floats) -> NDArray[np.bool_]:
-        """True where tangents are those at the centre, deformed and turned below a right angle.
+        """Return True where tangents are not folded and turn by less than a right angle.
 
-        The rotation in the polar decomposition of a plane map is where the trace is positive.
+        The trace of a map in the plane is positive if its polar rotation is below a right angle.
         """
         trusted = np.isfinite(position).all(axis=1) & np.isfinite(tangents).all(axis=(1, 2))
         change = self.inverse[cell[trusted], :-1] @ tangents[trusted]

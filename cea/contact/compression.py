@@ -1,13 +1,13 @@
-"""Orthogonal compression of many dependent rows to few, sparse: a multifrontal QR factorisation.
+"""Orthogonal compression of many dependent sparse rows to few, by multifrontal QR factorisation.
 
-Points of a rule are many, the gaps that traces can tell apart few. For rows G and T at points
+A rule has more points than the traces have independent gaps. For rows G and T at points
 
     G = Q J,     R = Q^T T,     Q^T Q = I,
 
-with J of full row rank: G^T G = J^T J and T^T G = R^T J. Points are divided in halves again and
-again. Going up that tree, a column that no point outside a part touches is eliminated within the
-part, and what remains on the columns at its edge is handed on (Duff and Reid 1983; Davis, ACM
-Trans. Math. Softw. 38, 2011). Rank is judged column by column (Heath 1982).
+with J of full row rank: G^T G = J^T J and T^T G = R^T J. Points are bisected recursively. From the
+leaves of that tree upwards, columns that no point outside a part touches are eliminated in the
+part, and the rest, on the columns at its boundary, is passed to the parent (Duff and Reid 1983;
+Davis, ACM Trans. Math. Softw. 38, 2011). Rank is determined column by column (Heath 1982).
 """
 
 from dataclasses import dataclass, field
@@ -22,22 +22,22 @@ from cea.arrays import Floats, Ints
 from cea.petsc import MPI
 
 _DEPENDENT = 1e-12
-"""Rows whose pivot is below this part of their column are taken to depend on those before."""
-_NEGLIGIBLE = 1e-12  # entries below this part of their row are rounding
+"""Pivot, relative to its column, below which a row is treated as linearly dependent."""
+_NEGLIGIBLE = 1e-12  # entries below this, relative to their row, are dropped as rounding
 _FADED = 1e-14
-"""What is left of a column of T, relative to its length, that is rounding: with uniform friction a
-column is gone from T where G has it no more."""
-_BLOCKED = 64  # columns that LAPACK works on at a time, for which it wants room
-_LEAF = 160  # points that are worked on at once
+"""Drop tolerance for the rest of a column of T, relative to its norm: with uniform friction a
+column of T vanishes when the same column of G is eliminated."""
+_BLOCKED = 64  # block size of LAPACK's workspace
+_LEAF = 160  # points of a leaf of the tree
 
 type Rows = tuple[csr_array, csr_array]
-"""Rows of G and the rows of T that go with them."""
+"""Rows of G and the corresponding rows of T."""
 
 
 def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> Rows:
-    """J and R of rows G and T at points, the rows that this rank is left with.
+    """Return the rows of J and R that remain on this rank, for rows G and T at points.
 
-    Each rank compresses its own points; rank 0 what remains between them.
+    Each rank compresses its own points; rank 0 compresses what remains of all ranks.
     """
     order = _bisected(np.arange(len(x)), x)
     gap = _without(gap[order], _rounding(gap, comm))
@@ -46,7 +46,7 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> Rows:
     first, last = np.full(columns, len(x)), np.full(columns, -1)
     np.minimum.at(first, gap.indices, row)
     np.maximum.at(last, gap.indices, row)
-    first[comm.allreduce((last >= 0).astype(int), MPI.SUM) > 1] = -1  # of points of several ranks
+    first[comm.allreduce((last >= 0).astype(int), MPI.SUM) > 1] = -1  # touched on several ranks
     size, length = (
         np.sqrt(comm.allreduce(np.bincount(m.indices, m.data**2, m.shape[1]), MPI.SUM))
         for m in (gap, slip)
@@ -65,7 +65,7 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> Rows:
 
 
 def _bisected(points: Ints, x: Floats) -> Ints:
-    """Points in the order of a tree: halves beside each other along the longest side of all."""
+    """Order points by recursive bisection along the longest side of their bounding box."""
     if len(points) <= _LEAF:
         return points
     along = x[points][:, np.ptp(x[points], axis=0).argmax()]
@@ -74,7 +74,7 @@ def _bisected(points: Ints, x: Floats) -> Ints:
 
 
 def _rounding(gap: csr_array, comm: Any) -> NDArray[np.bool_]:
-    """Columns that are nothing but rounding in every row: of normals along axes."""
+    """Return columns that are only rounding in every row, as for normals along axes."""
     row = np.repeat(np.arange(gap.shape[0]), np.diff(gap.indptr))
     length = np.sqrt(np.bincount(row, gap.data**2, gap.shape[0]))
     largest = np.zeros(gap.shape[1])
@@ -85,7 +85,7 @@ def _rounding(gap: csr_array, comm: Any) -> NDArray[np.bool_]:
 
 
 def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
-    """A matrix without its zeros, and without some columns."""
+    """Return a matrix without stored zeros, and with some columns zeroed."""
     result = matrix.copy()
     result.data[columns[result.indices]] = 0.0
     result.eliminate_zeros()
@@ -94,17 +94,17 @@ def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
 
 @dataclass
 class _Compression:
-    """The tree of rows G and T at points in its order, worked through from its leaves."""
+    """Elimination tree of rows G and T at bisected points, processed from its leaves."""
 
-    size: Floats  # length of each column of G over all points
-    least: Floats  # what is rounding of each column of T
+    size: Floats  # norm of each column of G over all points
+    least: Floats  # norm below which each column of T is rounding
     # the first and the last point that touches each column of G; -1 where several ranks touch it
     first: Ints
     last: Ints
-    done: list[Rows] = field(default_factory=list)  # rows of J and R that are done
+    done: list[Rows] = field(default_factory=list)  # finished rows of J and R
 
     def of_points(self, rows: Rows, start: int) -> Rows:
-        """What remains of points from one on once all that is theirs alone is done."""
+        """Eliminate the interior columns of consecutive points; return the remaining rows."""
         count = rows[0].shape[0]
         if count > _LEAF:
             middle = (count + 1) // 2
@@ -113,12 +113,12 @@ class _Compression:
         return self.finish(rows, start, start + count)
 
     def finish(self, given: Rows, start: int, stop: int) -> Rows:
-        """Eliminate the columns that no point beside a range touches; what remains."""
+        """Eliminate the columns that only points start to stop touch; return the remaining rows."""
         columns, carried_columns = (np.unique(part.indices) for part in given)
         rows, carried = given[0][:, columns].toarray(), given[1][:, carried_columns].toarray()
         own = (self.first[columns] >= start) & (self.last[columns] < stop)
         inner, edge, size = columns[own], columns[~own], self.size[columns]
-        # Of rows of very different size the large ones go first: small ones keep their digits.
+        # Large rows first: otherwise small rows lose digits.
         order = np.argsort(-np.abs(rows).max(axis=1, initial=0.0), kind="stable")
         rows, carried = rows[order] / size, carried[order]
         rest = rows[:, ~own]
@@ -148,7 +148,7 @@ class _Compression:
 
 
 def _reflected(factors: Floats, reflections: Floats, block: Floats) -> Floats:
-    """Q^T times a block, of a QR factorisation as LAPACK keeps it."""
+    """Return Q^T times a block, for a QR factorisation in LAPACK's storage."""
     if block.shape[1] == 0:
         return block
     factors, room = factors[:, : len(reflections)], _BLOCKED * (block.shape[1] + _BLOCKED)
@@ -157,13 +157,13 @@ def _reflected(factors: Floats, reflections: Floats, block: Floats) -> Floats:
 
 
 def _stacked(parts: list[Rows]) -> Rows:
-    """Rows of several parts one below the other."""
+    """Stack the rows of several parts."""
     gap, slip = (csr_array(vstack(each, format="csr")) for each in zip(*parts, strict=True))
     return gap, slip
 
 
 def _in_columns(block: Floats, columns: Ints, like: csr_array) -> csr_array:
-    """A dense block in some of the columns of a matrix."""
+    """Return a dense block as sparse rows with given columns."""
     count, width = block.shape
     entries = (block.ravel(), np.tile(columns, count), width * np.arange(count + 1))
     return csr_array(entries, shape=(count, like.shape[1]))

@@ -1,10 +1,10 @@
-"""A contact: points of one side on the other, what happens there, and the matrices it makes.
+"""A contact: points of one side paired with the other, its law, and its matrices.
 
     points:   K_n = G^T D G,      K_f = T^T diag(mu) D G,    D = diag(w p)
     mortar:   K_n = B^T M^-1 B,   K_f = B_k^T M^-1 B         (:mod:`cea.contact.mortar`)
 
-A law that is not linear meets the closure g = G x - g_n: with its pressure sigma(g), and p its
-slope, the forces against the motion are (G - mu T)^T w sigma, and K_n - K_f their derivative.
+A nonlinear law depends on the closure g = G x - g_n: with its pressure sigma(g) and slope p, the
+forces against the motion are (G - mu T)^T w sigma, and K_n - K_f is their derivative.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,32 +43,32 @@ type Powers = dict[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """A half pass: points of side a on side b, what happens there, and its operators."""
+    """A half pass: points of side a paired with side b, law, friction, and operators."""
 
     name: str
-    pair: str  # name of the contact it belongs to: a full pass has two halves
-    a: str  # names of the bodies on its two sides
+    pair: str  # name of the contact; both halves of a full pass share it
+    a: str  # names of the two bodies
     b: str
-    interface: Interface  # its points, which lie on a
-    law: NormalLaw  # what penetrations meet
-    friction: Friction | None = None  # friction of steady sliding; None without
-    coupling: Coupling = "pointwise"  # what becomes of the gaps at the points
-    # penalty or saddle form; None leaves the choice to the digits a penalty would cost
+    interface: Interface  # its points, on side a
+    law: NormalLaw  # law of the normal pressure
+    friction: Friction | None = None  # Coulomb friction of steady sliding, or None
+    coupling: Coupling = "pointwise"  # treatment of the gaps at the points
+    # penalty or saddle form; None: chosen by the digits that the penalty would lose
     form: Form | None = None
-    # added to the distance of the sides (m), at all points, (n,); a linear law takes them to touch
+    # added to the distance of the sides (m), at all points, (n,); a linear law assumes zero gap
     added_gap: Floats | float = 0.0
-    sliding: Sliding | None = None  # what small velocities feel of the sliding; None of nothing
-    # closures at all points in the state that is linearised about (m), (n,); None of a linear law
+    sliding: Sliding | None = None  # effect of sliding on small velocities, or None
+    # closures at all points in the linearisation state (m), (n,); None for a linear law
     closure: Floats | None = None
-    # G and diag(mu) T, PETSc AIJ (points x unknowns); projected, B and B_k (multipliers x
-    # unknowns). No slip without friction. They and what follows are None before :func:`assembled`
+    # G and diag(mu) T, PETSc AIJ (points x unknowns), or B and B_k (multipliers x unknowns) if
+    # projected; slip is None without friction. :func:`assembled` sets all fields below
     gap: Any = None
     slip: Any | None = None
-    projection: MortarProjection | None = None  # on the traces of side a; None of points
-    lumped: tuple[Any, Any | None] | None = None  # K_n and K_f of lumped contact; None of others
-    # whether slip operators are made with a coefficient of 1, as that of the contact is zero
+    projection: MortarProjection | None = None  # projection on the traces of side a, or None
+    lumped: tuple[Any, Any | None] | None = None  # K_n and K_f of lumped contact, or None
+    # whether slip operators have unit friction because the coefficient is zero
     of_unit_friction: bool = False
-    # what supports prescribe to close of the gap at all points (m), (n,); None of nothing
+    # closure at all points by prescribed displacements (m), (n,), or None
     prescribed: Floats | None = None
 
     @cached_property
@@ -84,12 +84,12 @@ class Contact:
 
     @property
     def tied(self) -> bool:
-        """Whether its stiffness is infinite."""
+        """Whether the contact stiffness is infinite."""
         return bool(np.isinf(self.slope).any())
 
     @property
     def awaits_state(self) -> bool:
-        """Whether its stiffness is not known before a state of steady sliding is."""
+        """Whether the stiffness depends on a steady sliding state that is not yet known."""
         return not self.law.linear and self.closure is None
 
     @property
@@ -99,39 +99,39 @@ class Contact:
 
     @property
     def penalty_only(self) -> bool:
-        """Whether its forces cannot be unknowns: lumped, or a law of projected gaps."""
+        """Whether the saddle form is impossible: lumped, or a nonlinear law of projected gaps."""
         return self.coupling == "lumped" or (self.is_projected and not self.law.linear)
 
     @property
     def has_multipliers(self) -> bool:
-        """Whether its forces are unknowns of what is solved."""
+        """Whether the contact forces are Lagrange multipliers, unknowns of the system."""
         return not self.penalty_only and (self.is_projected or self.form == "saddle")
 
     @property
     def has_pressure(self) -> bool:
-        """Whether gaps tell the contact pressure: the sides are neither tied nor bonded."""
+        """Whether gaps determine the contact pressure: the sides are neither tied nor bonded."""
         return self.coupling != "bonded" and not self.tied
 
     @property
     def has_friction(self) -> bool:
-        """Whether there is any friction."""
+        """Whether the friction coefficient is nonzero anywhere."""
         return self.friction is not None and self.friction.acts
 
     @property
     def mu(self) -> float:
-        """Friction coefficient that the slip operator is made with; 1 where it varies."""
+        """Reference friction coefficient of the slip operator; 1 if it varies."""
         mu = np.asarray(self.friction.mu if self.friction is not None else 0.0)
         return 1.0 if self.of_unit_friction or np.ptp(mu) else float(mu.flat[0])
 
     @property
     def mu_at_points(self) -> Floats:
-        """Friction coefficient that slips at the points of this rank are taken times."""
+        """Friction coefficient in the slip operator, at the points of this rank."""
         assert self.friction is not None
         mu = 1.0 if self.of_unit_friction else self.friction.mu
         return np.broadcast_to(mu, len(self.interface.points))[self.interface.rows]
 
     def friction_direction(self) -> Floats:
-        """Direction k at the points of this rank, shape (n_local, dim); collective."""
+        """Return direction k at the points of this rank, shape (n_local, dim); collective."""
         assert self.friction is not None
         points = self.interface.local_points
         with agreed(self.interface.comm):
@@ -139,12 +139,12 @@ class Contact:
 
     @property
     def K_n(self) -> Any:
-        """PETSc AIJ, symmetric positive semidefinite (N/m); full where gaps are projected."""
+        """Normal stiffness (N/m), PETSc AIJ, symmetric semidefinite; dense if projected."""
         return self._matrices[0]
 
     @property
     def K_f(self) -> Any | None:
-        """PETSc AIJ, unsymmetric (N/m); None without friction."""
+        """Friction stiffness (N/m), PETSc AIJ, unsymmetric; None without friction."""
         return self._matrices[1]
 
     @cached_property
@@ -156,7 +156,7 @@ class Contact:
         return self._eliminated.matrices()
 
     def tangent(self, p: Floats) -> tuple[Any, Any | None]:
-        """K_n and K_f of a slope p of the law at all points (N/m^3); not of lumped contact."""
+        """Return K_n and K_f for a slope p at all points (N/m^3); not for lumped contact."""
         if self.projection is not None:
             return self._eliminated.tangent(p)
         weight = self.weight(p)
@@ -164,24 +164,24 @@ class Contact:
         return symmetric_product(self.gap, weight), friction
 
     def closing(self, x: Floats) -> Floats:
-        """What a motion closes of the gap at all points (m), as the law meets it, (n,).
+        """Return the closure of the gap at all points (m) by unknowns x, (n,), as the law uses it.
 
-        Of unknowns x (m), the rows of this rank.
+        ``x`` (m) are the rows of this rank.
         """
         return self._gaps(x) if self.projection is None else self._eliminated.closing(x)
 
     def _gaps(self, x: Floats) -> Floats:
-        """G x, or B x, on every rank."""
+        """Return G x, or B x, on every rank."""
         return np.concatenate(self.interface.comm.allgather(applied(self.gap, x)))
 
     def projected_gap(self, gap: Floats) -> Floats:
-        """A gap given at all points (m) as the law meets it: projected with mortar contact."""
+        """Return a gap at all points (m) as the law uses it: projected for mortar contact."""
         return gap if self.projection is None else self._eliminated.projected(gap)
 
     def force(self, pressure: Floats, *, friction: bool = True) -> Floats:
-        """Forces (N) that a pressure at all points puts against the motion, the rows of this rank.
+        """Return the forces (N) of a pressure at all points, against the motion; this rank's rows.
 
-        Those of friction, if there is any, may be left out.
+        ``friction`` tells whether to include friction forces.
         """
         friction = friction and self.has_friction
         if self.projection is not None:
@@ -193,10 +193,10 @@ class Contact:
         return force
 
     def pressure(self, x: Any) -> Floats:
-        """Contact pressure (N/m^2) at every point, on every rank, for unknowns x, PETSc vector.
+        """Return the contact pressure (N/m^2) at all points, on every rank, for unknowns x (PETSc).
 
-        It is made of gaps, which hold the fewer digits the stiffer the contact; refused where the
-        sides are tied or bonded. Of a law that is not linear it is the change that x makes.
+        It is computed from gaps, which lose digits as the stiffness grows. Raise InputError if the
+        sides are tied or bonded. For a nonlinear law it is the linearised change of the pressure.
         """
         if not self.has_pressure:
             raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
@@ -206,7 +206,7 @@ class Contact:
 
     @cached_property
     def _eliminated(self) -> Eliminated:
-        """M^-1 between B and B_k, of a law that is not linear that of p = 1."""
+        """M^-1 between B and B_k, with p = 1 for a nonlinear law."""
         assert self.projection is not None
         p = self.slope if self.law.linear else np.ones(len(self.interface.points))
         compliance = self.compliance(p)
@@ -215,11 +215,11 @@ class Contact:
         return made
 
     def weight(self, values: Floats) -> Floats:
-        """Area weights times values at all points, at those of this rank: of p D (N/m)."""
+        """Return area weights times values, for values at all points; rows of this rank."""
         return self.interface.local_points.weight * values[self.interface.rows]
 
     def compliance(self, p: Floats) -> Any:
-        """M where gaps are projected, PETSc AIJ, of a stiffness p at all points (N/m^3)."""
+        """Return M of projected gaps, PETSc AIJ, for a stiffness p at all points (N/m^3)."""
         assert self.projection is not None
         one = self.projection.compliance(p)
         if self.coupling != "bonded":
@@ -230,7 +230,7 @@ class Contact:
 
 
 def by_pair(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
-    """Half passes by the name of the contact they belong to."""
+    """Group half passes by the name of their contact."""
     pairs: dict[str, list[Contact]] = {}
     for contact in contacts:
         pairs.setdefault(contact.pair, []).append(contact)
@@ -238,9 +238,9 @@ def by_pair(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
 
 
 def powers_of(halves: Sequence[Contact]) -> tuple[Powers, Powers]:
-    """How the stiffness of a contact depends on its P, and its friction on mu.
+    """Return the dependence of the contact stiffness on P, and of friction on mu.
 
-    There is no P of a law that is not linear; mu is relative to 1 where the halves differ.
+    A nonlinear law has no P; mu is relative to 1 if the halves differ.
     """
     path, values = f"contacts.{halves[0].pair}", {half.mu for half in halves}
     P = {f"{path}.P": (sum(half.P for half in halves), 1.0)} if halves[0].law.linear else {}
@@ -250,19 +250,19 @@ def powers_of(halves: Sequence[Contact]) -> tuple[Powers, Powers]:
 def assembled(
     bodies: Mapping[str, Body], contact: Contact, *, frictional: bool, leave_out: bool
 ) -> Contact:
-    """A contact with its operators on the unknowns of all bodies; collective.
+    """Return a contact with its operators on the unknowns of all bodies; collective.
 
-    It is frictional where it has friction, or the other half of the full pass has; slip operators
-    of those that are not may be left out.
+    ``frictional`` tells whether either half of the contact has friction; if not, ``leave_out``
+    omits the slip operator.
     """
     if contact.friction is not None and not frictional:
         contact = replace(contact, of_unit_friction=True)
     interface, points = contact.interface, contact.interface.local_points
     bonded, projection = contact.coupling == "bonded", None
     if contact.is_projected:
-        # Of a linear law, open points have no part in the projection: their compliance is infinite.
+        # Open points of a linear law are not projected: their compliance is infinite.
         bearing = (contact.slope > 0) | (not contact.law.linear)
-        # Bonded sides close the jump along fixed axes: no normal splits their traces.
+        # Bonded sides constrain the jump along fixed axes, so traces are not split at corners.
         traces = interface.trace_a if bonded else interface.a.split_trace(points.at)
         projection = MortarProjection.of(interface, traces, bearing)
 
@@ -299,7 +299,7 @@ def assembled(
 
 
 def jump_operator(bodies: Mapping[str, Body], contact: Contact, direction: Floats) -> Any:
-    """Jump along directions at the points of this rank, PETSc AIJ (points x unknowns)."""
+    """Return the jump along directions at this rank's points, PETSc AIJ (points x unknowns)."""
     parts = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
     return system_operator(bodies, dict(parts), len(direction))
 
@@ -307,7 +307,7 @@ def jump_operator(bodies: Mapping[str, Body], contact: Contact, direction: Float
 def approach_along(
     contact: Contact, direction: Floats, displacements: Mapping[str, Floats]
 ) -> Floats:
-    """What full displacements of bodies (m) close along directions at all points (m)."""
+    """Return the closure along directions at all points (m) by full displacements (m)."""
     jumps = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
     parts = [jump @ displacements[name] for name, jump in jumps if name in displacements]
     return np.concatenate(contact.interface.comm.allgather(sum(parts, np.zeros(len(direction)))))
@@ -320,13 +320,13 @@ def _lumped_matrices(
     weight: Floats,
     pushed: Floats | None,
 ) -> tuple[Any, Any | None]:
-    """K_n and K_f of lumped contact in the unknowns of the system; pushed along mu k.
+    """Return K_n and K_f of lumped contact on the unknowns of the system; ``pushed`` is mu k.
 
-    The blocks of each side summed onto their diagonal: Mohanasundaram et al. (2023), eq. 41. In the
-    block a-a scalar row i takes its sum over the scalar columns j, which leaves a dim x dim block
+    The diagonal blocks are lumped: Mohanasundaram et al. (2023), eq. 41. In the block a-a each
+    scalar row i sums over the scalar columns j, which leaves a dim x dim block
     sum_q w p N_i(x_q) n n^T, and sum_q mu w p N_i k n^T in K_f; likewise b-b. The blocks a-b stay
-    consistent. This is not of the form G^T D G: translations of both bodies together are free,
-    common rotations no longer are.
+    consistent. This is not of the form G^T D G: common translations of both bodies still cause no
+    forces, common rotations do.
     """
     traces = dict(zip(sides, (interface.trace_a, interface.trace_b), strict=True))
     normal = interface.local_points.normal
@@ -344,9 +344,9 @@ def _lumped(
     left: Floats,
     right: Floats,
 ) -> Any:
-    """Jump along ``left`` against jump along ``right``, each side's own block lumped.
+    """Return the product of the jumps along ``left`` and ``right`` with lumped diagonal blocks.
 
-    Of a side's own block every value N_i(x_q) of its trace is a point of its own, with the weight
+    In a diagonal block every trace value N_i(x_q) becomes a separate point with the weight
     w p N_i(x_q), at which function i alone is one.
     """
     one, other = traces

@@ -1,6 +1,6 @@
-"""Contact formulations: each a choice of points and weights on side a.
+"""Contact formulations: each one chooses points and weights on side a.
 
-A new one is a dataclass, in any module that is imported, which :func:`register` lets scenes name.
+To add one, decorate a dataclass in any imported module with :func:`register`.
 """
 
 from abc import ABC, abstractmethod
@@ -14,42 +14,42 @@ from cea.surface import Surface
 from cea.surface_points import SurfacePoints
 
 Coupling = Literal["pointwise", "lumped", "mortar", "bonded"]
-"""What becomes of the gaps at the points of an interface.
+"""Treatment of the gaps at the points of an interface.
 
-``pointwise``: a penalty at each; ``lumped``: the same, the blocks of each side summed onto their
-diagonal; ``mortar``: the gap projected on the traces of side a; ``bonded``: as mortar, with every
-component of the jump tied.
+``pointwise``: a penalty at each point; ``lumped``: the same with lumped diagonal blocks;
+``mortar``: the gap is projected on the traces of side a; ``bonded``: as mortar, for every
+component of the jump.
 """
 
 Form = Literal["penalty", "saddle"]
-"""Whether contact forces are eliminated (penalty) or unknowns of their own (saddle)."""
+"""Whether contact forces are eliminated (penalty) or additional unknowns (saddle)."""
 
 
 class Formulation(ABC):
-    """A choice of points and weights on side a, and of what becomes of the gaps there.
+    """A choice of points and weights on side a, and of the treatment of the gaps there.
 
-    Each is a frozen dataclass. Its fields are what a scene can say of it; the field ``method``, a
-    ``Literal`` with a default, is the name by which a scene asks for it.
+    Each is a frozen dataclass, whose fields are those of a scene; the default of the field
+    ``method``, a ``Literal``, is its name in scenes.
     """
 
     name: ClassVar[str]
-    """Its name as people write it, e.g. "GPTS"."""
+    """Its name in figures and tables, e.g. "GPTS"."""
     abscissae: ClassVar[str | None] = None
-    """Kind of abscissae that side a must have; None where it suits every surface.
+    """Kind of abscissae that side a must have, or None for any surface.
 
     One of :attr:`cea.surface.Surface.abscissa_kinds`.
     """
     of_gaps: ClassVar[Coupling] = "pointwise"
-    """What becomes of the gaps at its points, unless it is lumped."""
+    """Treatment of the gaps at its points, unless it is lumped."""
 
     @property
     @abstractmethod
     def method(self) -> str:
-        """Name by which a scene asks for it."""
+        """Name in scenes."""
 
     @abstractmethod
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
-        """Points and weights on side a; at a corner a point with its own normal for each face.
+        """Return points and weights on side a, with one point per smooth part at corners.
 
         Parameters
         ----------
@@ -61,29 +61,29 @@ class Formulation(ABC):
 
     @property
     def coupling(self) -> Coupling:
-        """What becomes of the gaps at the points."""
+        """Treatment of the gaps at the points."""
         return "lumped" if getattr(self, "lumped", False) else self.of_gaps
 
     @property
     def options(self) -> tuple[str, ...]:
-        """What sets it apart from its simplest form: its weights, and whether it is lumped."""
+        """Options that differ from the default: weights, and lumping."""
         weights = getattr(self, "weights", "equal")
         lumped = ("lumped",) if self.coupling == "lumped" else ()
         return lumped if weights == "equal" else (weights, *lumped)
 
     @property
     def label(self) -> str:
-        """Name, points per direction where they are given, and options: "GPTS 5 × 5, lumped"."""
+        """Name, points per direction if given, and options: "GPTS 5 × 5, lumped"."""
         points = getattr(self, "points", None)
         name = self.name if points is None else f"{self.name} {points} × {points}"
         return ", ".join((name, *self.options))
 
 
-_MOST_POINTS = 200  # points per direction in an element: far more than any rule needs
+_MOST_POINTS = 200  # largest number of points per direction, far above any useful rule
 
 
 def _check_points(points: int, least: int = 1) -> None:
-    """Refuse a number of points per direction that makes no rule, or one beyond any use."""
+    """Raise InputError if a number of points per direction is too small or too large."""
     fits = least <= points <= _MOST_POINTS
     require(fits, "points", points, f"{least} to {_MOST_POINTS} per direction")
 
@@ -92,7 +92,7 @@ _REGISTER: dict[str, type[Formulation]] = {}
 
 
 def register[T: type[Formulation]](formulation: T) -> T:
-    """Let scenes name a formulation, a dataclass, by its method; a decorator."""
+    """Register a formulation, a dataclass, under its method for use in scenes; a decorator."""
     where = f"{formulation.__module__}.{formulation.__qualname__}"
     if not is_dataclass(formulation):
         raise InputError("formulation", where, "a dataclass")
@@ -100,26 +100,26 @@ def register[T: type[Formulation]](formulation: T) -> T:
     if not isinstance(method, str):
         raise InputError(f"{where}.method", None, "a field with a default, the name in scenes")
     other = _REGISTER.get(method, formulation)
-    # The same class defined once more, as a notebook does, takes its own place.
+    # A class that is defined again, as in a notebook, replaces itself.
     same = f"{other.__module__}.{other.__qualname__}" == where
-    require(same, f"{where}.method", method, f"a name that {other.__qualname__} has not")
+    require(same, f"{where}.method", method, f"a name other than that of {other.__qualname__}")
     _REGISTER[method] = formulation
     return formulation
 
 
 def registered() -> Mapping[str, type[Formulation]]:
-    """Formulations that scenes may name, by method."""
+    """Return the formulations that scenes may use, by method."""
     return MappingProxyType(_REGISTER)
 
 
 @dataclass(frozen=True)
 class AtAbscissae(Formulation):
-    """Contact collocated at abscissae of the traces of side a, at a corner once for each face."""
+    """Contact collocated at abscissae of side a, with one point per smooth part at corners."""
 
     weights: str = "equal"
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
-        """Points and weights on side a."""
+        """Return points and weights on side a."""
         assert self.abscissae is not None
         return a.abscissae(self.abscissae, self.weights)
 
@@ -127,14 +127,14 @@ class AtAbscissae(Formulation):
 @register
 @dataclass(frozen=True)
 class NodeToSurface(AtAbscissae):
-    """Contact at the interpolation nodes of side a, at a corner once for each face.
+    """Contact at the interpolation nodes of side a, one point per smooth part at corners.
 
     Parameters
     ----------
     weights
-        ``equal``: each node bears the same share of the area of its smooth part. ``tributary``:
-        each facet's area shared among its nodes in proportion to int N_i^2. Integrals of N_i are
-        no weights: they vanish at corners of quadratic triangles.
+        ``equal``: nodes share the area of their smooth part equally. ``tributary``: nodes share the
+        area of each facet in proportion to int N_i^2. Integrals of N_i are unsuitable as weights:
+        they vanish at corners of quadratic triangles.
     """
 
     name: ClassVar[str] = "node-to-surface"
@@ -146,12 +146,12 @@ class NodeToSurface(AtAbscissae):
 @register
 @dataclass(frozen=True)
 class Greville(AtAbscissae):
-    """Contact collocated at the Greville abscissae of side a, at a corner once for each face.
+    """Contact collocated at the Greville abscissae of side a, one point per smooth part at corners.
 
     Parameters
     ----------
     weights
-        ``equal``: each point carries the stiffness P / n_points of its smooth part
+        ``equal``: each point has the stiffness P / n_points of its smooth part
         (Mohanasundaram et al. 2023, section 3). ``area``: the integral of its trace function
         (Matzen & Bischoff 2016).
     """
@@ -170,8 +170,8 @@ class Botella(AtAbscissae):
     Parameters
     ----------
     weights
-        ``equal``: each point bears the same share of the area of its smooth part. ``area``: the
-        integral of its trace function (Matzen & Bischoff 2016).
+        ``equal``: points share the area of their smooth part equally. ``area``: the integral of the
+        trace function (Matzen & Bischoff 2016).
     """
 
     name: ClassVar[str] = "Botella"
@@ -185,7 +185,7 @@ class Botella(AtAbscissae):
 class Grid(Formulation):
     """Contact collocated at equally spaced points of side a.
 
-    Each has the same share of the area of its smooth part.
+    The points share the area of their smooth part equally.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ class Grid(Formulation):
         _check_points(self.points, least=2)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
-        """Points and weights on side a."""
+        """Return points and weights on side a."""
         return a.grid(self.points)
 
 
@@ -216,7 +216,7 @@ class GaussPointToSurface(Formulation):
     points
         Gauss points per direction in each surface element.
     lumped
-        Whether the block of each side is summed onto its diagonal (eq. 41).
+        Whether the diagonal blocks are lumped (eq. 41).
     """
 
     name: ClassVar[str] = "GPTS"
@@ -228,13 +228,13 @@ class GaussPointToSurface(Formulation):
         _check_points(self.points)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
-        """Points and weights on side a."""
+        """Return points and weights on side a."""
         return a.gauss_points(self.points)
 
 
 @dataclass(frozen=True)
 class OnSegments(Formulation):
-    """Formulations whose quadrature is the common refinement of both surface meshes."""
+    """Formulations with quadrature on the common refinement of both surface meshes."""
 
     points: int | None = None
 
@@ -243,8 +243,8 @@ class OnSegments(Formulation):
             _check_points(self.points)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
-        """Points and weights on side a."""
-        from cea.contact.segments import segment_points  # brings shapely and scipy.spatial
+        """Return points and weights on side a."""
+        from cea.contact.segments import segment_points  # imports shapely
 
         return segment_points(a, b, self.points, reach)
 
@@ -254,13 +254,13 @@ class OnSegments(Formulation):
 class Segments(OnSegments):
     """Contact at Gauss points on the common refinement of both surface meshes.
 
-    The exact integral of the penalty form on flat interfaces: the yardstick of quadrature. It
-    enforces the gap at more points than side a has dofs, and locks as p grows.
+    Integrates the penalty form exactly on flat interfaces, as a reference for other rules. It
+    constrains the gap at more points than side a has dofs, and locks as p grows.
 
     Parameters
     ----------
     points
-        Gauss points per direction in each segment; None takes what is exact on flat interfaces.
+        Gauss points per direction in each segment; None: exact on flat interfaces.
     """
 
     name: ClassVar[str] = "segments"
@@ -272,13 +272,13 @@ class Segments(OnSegments):
 class Mortar(OnSegments):
     """Gap projected on the traces of side a, segments as quadrature (:mod:`cea.contact.mortar`).
 
-    The yardstick of contact: it enforces the gap as often as side a has dofs, at any stiffness.
-    Traces that reach over a corner of side a are split into one for each face.
+    The reference contact formulation: it has as many gap constraints as side a has dofs, and does
+    not lock at any stiffness. Traces are split at corners of side a into one per smooth part.
 
     Parameters
     ----------
     points
-        Gauss points per direction in each segment; None takes what is exact on flat interfaces.
+        Gauss points per direction in each segment; None: exact on flat interfaces.
     """
 
     name: ClassVar[str] = "mortar"
@@ -289,14 +289,14 @@ class Mortar(OnSegments):
 @register
 @dataclass(frozen=True)
 class Bonded(OnSegments):
-    """Both sides tied in every direction, without friction: parts of one body that do not match.
+    """Both sides tied in every direction, without friction, to join nonmatching meshes of one body.
 
     The jump is projected on the trace space of side a, as in mortar contact.
 
     Parameters
     ----------
     points
-        Gauss points per direction in each segment; None takes what is exact on flat interfaces.
+        Gauss points per direction in each segment; None: exact on flat interfaces.
     """
 
     name: ClassVar[str] = "bonded"

@@ -14,12 +14,12 @@ _FIELD = "friction_direction_on_a"
 
 @dataclass(frozen=True)
 class AlongVector:
-    """The same direction everywhere: a vector, of which the tangential part counts.
+    """Uniform direction: the tangential part of a vector.
 
     Parameters
     ----------
     vector
-        Direction, any length but zero.
+        Direction, any nonzero length.
     """
 
     vector: tuple[float, ...]
@@ -28,12 +28,12 @@ class AlongVector:
         _check_vector(self.vector, "vector")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse a vector of another dimension than that of space."""
+        """Raise InputError if the vector has another dimension than space."""
         fits = len(self.vector) == dim
-        require(fits, f"{field}.vector", self.vector, f"{dim} numbers, as space has")
+        require(fits, f"{field}.vector", self.vector, f"{dim} numbers, the dimension of space")
 
     def at(self, x: Floats, normal: Floats) -> Floats:
-        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        """Return unit tangents (n, dim) at positions x (m) with unit normals."""
         return _tangent(np.broadcast_to(of_size_one(self.vector), x.shape), normal)
 
 
@@ -44,7 +44,7 @@ class Circumferential:
     Parameters
     ----------
     circumferential_about
-        Axis of rotation, any length but zero.
+        Axis of rotation, any nonzero length.
     origin
         A point of the axis (m).
     """
@@ -56,21 +56,21 @@ class Circumferential:
         _check_vector(self.circumferential_about, "circumferential_about")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse an axis that leaves the plane oblique, and an origin beside it."""
+        """Raise InputError in 2D for an axis that is not along z or an origin with z != 0."""
         axis, place = self.circumferential_about, f"{field}.circumferential_about"
         if dim == 2:
             require(not any(axis[:2]), place, axis, "an axis along z in the plane")
             require(not self.origin[2], f"{field}.origin", self.origin, "z = 0 in the plane")
 
     def at(self, x: Floats, normal: Floats) -> Floats:
-        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        """Return unit tangents (n, dim) at positions x (m) with unit normals."""
         axis, arm = arms_about(self.circumferential_about, self.origin, x)
         return _tangent(np.cross(axis, arm)[:, : x.shape[1]], normal)
 
 
 @dataclass(frozen=True)
 class AlongField:
-    """A direction that varies, by expressions; the part of it that is tangential counts.
+    """Direction field given by expressions; its tangential part is used.
 
     Parameters
     ----------
@@ -86,14 +86,14 @@ class AlongField:
             Expression(text).check("field")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse another number of expressions than that of components, or coordinates of space."""
+        """Raise InputError for a wrong number of expressions or unknown coordinates."""
         allowed = f"{dim} expressions, one for each component"
         require(len(self.field) == dim, f"{field}.field", list(self.field), allowed)
         for i, text in enumerate(self.field):
             Expression(text).check(f"{field}.field.{i}", dim)
 
     def at(self, x: Floats, normal: Floats) -> Floats:
-        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        """Return unit tangents (n, dim) at positions x (m) with unit normals."""
         return _tangent(np.stack([Expression(text)(x) for text in self.field], axis=1), normal)
 
 
@@ -106,7 +106,7 @@ class Friction:
 
     mu: Floats | float  # coefficient, shape (n,) or one number, zero or positive
     direction: FrictionDirection
-    # whether it is that on side b: in the second half of a full pass friction is against it
+    # whether side a carries the opposite traction, as in the second half of a full pass
     reverse: bool = False
 
     def __post_init__(self) -> None:
@@ -114,18 +114,18 @@ class Friction:
         require(bool((mu >= 0).all()), "mu", float(mu.min()), "zero or positive")
 
     def along(self, x: Floats, normal: Floats) -> Floats:
-        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        """Return unit tangents (n, dim) at positions x (m) with unit normals."""
         tangents = self.direction.at(x, normal)
         return -tangents if self.reverse else tangents
 
     @property
     def acts(self) -> bool:
-        """True where there is any friction."""
+        """Whether the coefficient is nonzero anywhere."""
         return bool(np.any(self.mu))
 
 
 def _check_vector(vector: tuple[float, ...], name: str) -> None:
-    """Refuse a vector that has no direction."""
+    """Raise InputError if a vector is zero or not finite."""
     real = bool(np.isfinite(vector).all() and np.any(vector))
     require(real, name, vector, "finite numbers, not all zero")
 
@@ -139,6 +139,6 @@ def _tangent(direction: Floats, normal: Floats) -> Floats:
         raise InputError(
             _FIELD,
             direction[worst].tolist(),
-            f"a direction with a part tangent to side a, whose normal here is {normal[worst]}",
+            f"a direction that is not normal to side a, whose normal here is {normal[worst]}",
         )
     return tangent / length[:, None]

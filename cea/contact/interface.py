@@ -22,35 +22,35 @@ from cea.surface import Surface
 from cea.surface_points import Location, Status, SurfacePoints
 
 _QUADRATURE = 1e-3
-"""Part of side a that a rule may lose to its own quadrature; more is area it leaves out."""
+"""Part of side a's area that quadrature errors may miss; a larger part counts as left out."""
 _APART = 1e-3
-"""Gap, relative to the mesh size, at which sides whose normals are opposite still touch."""
+"""Gap, relative to the mesh size, up to which sides with opposite normals touch."""
 _SAGITTA = 0.25
-"""Gap, relative to the mesh size times the largest angle between normals, that facets explain.
+"""Gap, relative to the mesh size times the largest angle between normals, due to faceting.
 
-A chord of length h that turns by the angle t from the ends of its arc leaves it by h t / 4; between
-the chords of two sides the normals differ by the sum of both angles.
+A chord of length h that makes the angle t with its arc at the ends has the sagitta h t / 4;
+between the chords of two sides the normals differ by the sum of both angles.
 """
-_FACING = -0.5  # largest cosine between the normals of two surfaces that face each other
+_FACING = -0.5  # largest cosine between the normals of facing surfaces
 
 
 @dataclass(frozen=True)
 class Interface:
     """Points of a rule on side a paired with side b.
 
-    The points are the same on every rank; each rank locates and traces its own rows of them.
+    All ranks hold all points; each rank locates and evaluates its own rows of them.
     """
 
     a: Surface
     b: Surface
-    points: SurfacePoints  # points of the rule on a that were found on b, of all ranks
-    rows: slice  # rows of the points that are this rank's; ranks follow each other
-    opposite: Location  # where the points of this rank were found on b along the normal of a
+    points: SurfacePoints  # points of the rule on a that were located on b, on all ranks
+    rows: slice  # rows of the points of this rank, contiguous in rank order
+    opposite: Location  # location of this rank's points on b along the normal of a
     # values of the scalar basis functions of both sides at the points of this rank
     trace_a: csr_array
     trace_b: csr_array
-    statuses: Mapping[str, int]  # number of points of each status, those missed too
-    largest_distance: float  # between the sides as meshed along the normal (m)
+    statuses: Mapping[str, int]  # number of points of each status, including missed ones
+    largest_distance: float  # largest distance of the meshed sides along the normal (m)
     comm: Any  # MPI communicator (mpi4py)
 
     @cached_property
@@ -63,7 +63,7 @@ class Interface:
     def true_distance(self) -> Floats:
         """Distance (m) from side a to side b along the normal at the points of this rank.
 
-        That of the surfaces that facets interpolate: where curved sides touch, facets do not.
+        Measured between the exact surfaces: where curved sides touch, facets may not.
         """
         normal = self.local_points.normal
         offset_a = self.a.offset(self.local_points.at, normal)
@@ -71,7 +71,7 @@ class Interface:
 
     @property
     def initial_gap(self) -> Floats:
-        """The true distance (m), zero where it is not above the error of the geometry."""
+        """True distance (m); zero where it does not exceed the geometry error."""
         distance = self.true_distance
         return np.where(np.abs(distance) > self.geometry_error, distance, 0.0)
 
@@ -82,7 +82,7 @@ class Interface:
 
 
 def default_reach(a: Surface, b: Surface) -> float:
-    """Largest distance (m) at which two surfaces may touch: half the larger mesh size."""
+    """Return the default reach (m), half the larger mesh size."""
     return 0.5 * max(a.mesh_size, b.mesh_size)
 
 
@@ -96,13 +96,13 @@ def pair(
     max_missed: float = 0.0,
     comm: Any = MPI.COMM_WORLD,
 ) -> Interface:
-    """Locate the points of a rule on side a on the surface of side b, each rank its share.
+    """Locate the points of a rule on side a on the surface of side b; collective.
 
-    Points are the same on every rank; those of weight zero are dropped. They are looked for within
-    a reach (m) along the normal; without one within half the larger mesh size, and the gap must not
-    exceed what curved surfaces leave between straight facets. Points that find nothing are dropped,
-    up to a fraction of the area of a. Refused, naming the field, on every rank when a weight is
-    negative, too many points are missed, or the surfaces do not face each other or do not touch.
+    All ranks have the same points; those of weight zero are dropped. Points are located within
+    ``reach`` (m) along the normal; by default within half the larger mesh size, and then the gap
+    must not exceed that due to faceting of curved surfaces. Missed points are dropped if their
+    fraction of the area of a is at most ``max_missed``. Raise InputError on every rank, naming
+    ``field``, if a weight is negative, too many points are missed, or sides do not face or touch.
     """
     must_touch, sides = reach is None, f"{a.name} on {b.name}"
     if reach is None:
@@ -120,8 +120,8 @@ def pair(
     fraction = float(missed_area + (left_out if left_out > _QUADRATURE else 0.0))
     allowed = (
         f"surfaces that face each other within {reach:.3g} m: points on {100 * fraction:.2g} % "
-        f"of the area of side a find nothing on side b, at most {100 * max_missed:.2g} % may; "
-        "take more elements, or raise max_missed"
+        f"of the area of side a have no opposite point on side b, the limit is "
+        f"{100 * max_missed:.2g} %; refine the mesh, or raise max_missed"
     )
     require(fraction <= max_missed, field, sides, allowed)
     if not found.all():
@@ -131,7 +131,7 @@ def pair(
         cosine = np.einsum("ij,ij->i", points.normal[rows], b.normal(opposite.at))
         trace_a, trace_b = a.trace(points.at[rows]), b.trace(opposite.at)
     worst = comm.allreduce(float(cosine.max(initial=-np.inf)), MPI.MAX)
-    allowed = f"surfaces whose outward normals have a cosine up to {_FACING}, not {worst:.3g}"
+    allowed = f"the cosine of their outward normals must be at most {_FACING}, not {worst:.3g}"
     facing = bool(len(points)) and worst <= _FACING
     require(facing, field, sides, f"surfaces that face each other: {allowed}")
     least = comm.allreduce(float(opposite.distance.min(initial=np.inf)), MPI.MIN)
@@ -153,17 +153,17 @@ def pair(
 
 
 def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_array]:
-    """Parts on a and b of the jump along a direction, the rows of this rank's points.
+    """Return the parts on a and b of the jump along a direction, for this rank's points.
 
-    Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
+    They are operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
     """
     return along(interface.trace_a, direction), along(interface.trace_b, -direction)
 
 
 def along(trace: csr_array, direction: Floats) -> csr_array:
-    """Component of the displacement along a direction, shape (n, dim * num_scalar_dofs).
+    """Return the displacement component along a direction, shape (n, dim * num_scalar_dofs).
 
-    Components that are zero at every point have no entries.
+    Components that are zero at every point are not stored.
     """
     (n, m), dim = trace.shape, direction.shape[1]
     acting = np.flatnonzero(direction.any(axis=0)).astype(trace.indices.dtype)
@@ -174,25 +174,25 @@ def along(trace: csr_array, direction: Floats) -> csr_array:
 
 
 def _check_weights(weights: Floats, field: str) -> None:
-    """Refuse area weights that are no numbers or negative: such a rule has no sqrt(D)."""
+    """Raise InputError if area weights are negative or not finite, as sqrt(D) is needed."""
     wrong = weights[~(np.isfinite(weights) & (weights >= 0))]
     valid = not len(wrong) and (not len(weights) or bool(weights.any()))
     value, place = float(wrong[0]) if len(wrong) else 0.0, f"{field}.formulation.weights"
-    allowed = "area weights of points that are zero or positive, and some positive"
+    allowed = "nonnegative area weights of points, some of them positive"
     require(valid, place, value, allowed)
 
 
 def _check_gap(
     distances: tuple[float, float], cosine: float, size: float, field: str, sides: str
 ) -> None:
-    """Refuse surfaces apart, into each other (below zero), or tilted, that nobody said may be."""
+    """Raise InputError if surfaces without a given reach are apart or overlap (negative)."""
     least, largest = distances
     angle = float(np.arccos(np.clip(-cosine, -1.0, 1.0)))
     explained = (_APART + _SAGITTA * angle) * size
     found = [f"{largest:.3g} m apart"] if largest > explained else []
     found += [f"{-least:.3g} m inside each other"] if -least > explained else []
     allowed = (
-        f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by "
-        f"up to {np.degrees(angle):.2g} degrees, and their meshes explain {explained:.3g} m"
+        f"given if surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by "
+        f"up to {np.degrees(angle):.2g} degrees, and faceting accounts for {explained:.3g} m only"
     )
     require(not found, f"{field}.reach", None, allowed)

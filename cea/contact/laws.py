@@ -1,7 +1,7 @@
-"""Laws of contact: the pressure that a penetration meets, its slope, and sliding.
+"""Contact laws: pressure as a function of penetration, its slope, and sliding.
 
-A law knows nothing of geometry. Linearised about steady sliding, its slope at the penetrations of
-that state stands in the place of the contact stiffness p, and friction multiplies it
+Laws are independent of geometry. After linearisation about steady sliding, the slope at the
+penetrations of that state is the contact stiffness p, and friction multiplies it
 (Mohanasundaram et al., 2023, eqs. 7, 8 and 16).
 """
 
@@ -16,13 +16,13 @@ from cea.errors import require
 
 @dataclass(frozen=True)
 class LinearLaw:
-    """A pressure proportional to the penetration, tension too: contact known where it is closed."""
+    """Pressure proportional to the penetration, also in tension: the closed region is known."""
 
-    # contact stiffness p (N/m^3), shape (n,) or one number; zero where the sides have lifted off;
-    # infinite everywhere, where the sides are tied along the normal, or nowhere
+    # contact stiffness p (N/m^3), shape (n,) or one number; zero where the sides are open; either
+    # finite, or infinite at all points: the sides are then tied along the normal
     stiffness: Floats | float
     linear: ClassVar[bool] = True
-    """Its slope is the same at any penetration: no state of steady sliding is sought."""
+    """The slope is constant: no steady sliding state is needed."""
 
     def __post_init__(self) -> None:
         p = np.asarray(self.stiffness)
@@ -33,17 +33,17 @@ class LinearLaw:
         require(even, "p", np.inf, "finite, or infinite everywhere")
 
     def pressure(self, penetration: Floats) -> Floats:
-        """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
+        """Return the pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
         return self.stiffness * penetration
 
     def slope(self, penetration: Floats) -> Floats:
-        """Contact stiffness p (N/m^3), shape (n,)."""
+        """Return the contact stiffness p (N/m^3), shape (n,)."""
         return np.broadcast_to(np.asarray(self.stiffness, dtype=float), penetration.shape)
 
 
 @dataclass(frozen=True)
 class NormalCompliance:
-    """Normal compliance: the pressure c (g)_+^m, none where the contact is open.
+    """Normal compliance: the pressure c (g)_+^m, zero where the contact is open.
 
     Parameters
     ----------
@@ -62,31 +62,31 @@ class NormalCompliance:
         require(1 <= self.m < np.inf, "m_n", self.m, "1 or more")
 
     def pressure(self, penetration: Floats) -> Floats:
-        """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
+        """Return the pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
         return self.c * np.maximum(penetration, 0.0) ** self.m
 
     def slope(self, penetration: Floats) -> Floats:
-        """Contact stiffness p (N/m^3), zero where the contact is open, shape (n,)."""
+        """Return the contact stiffness p (N/m^3), zero where the contact is open, shape (n,)."""
         closed = np.maximum(penetration, 0.0)
         return np.where(penetration > 0, self.m * self.c * closed ** (self.m - 1), 0.0)
 
     def closure(self, pressure: float) -> float:
-        """Penetration (m) that meets a pressure (N/m^2), zero or positive."""
+        """Return the penetration (m) for a pressure (N/m^2), zero or positive."""
         return float((pressure / self.c) ** (1 / self.m))
 
 
 NormalLaw = LinearLaw | NormalCompliance
-"""What a penetration of side a into side b meets."""
+"""Law of the normal pressure."""
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """Steady sliding, as far as small velocities feel it (:mod:`cea.system.contact_terms`)."""
+    """Sliding data for the damping of small velocities (:mod:`cea.system.contact_terms`)."""
 
-    # v (m/s) at all points, shape (n,); None where the direction of sliding does not turn
+    # v (m/s) at all points, shape (n,); None: no effect of the turning sliding direction
     speed: Floats | None = None
     mu_slope: Floats | None = None  # mu'(v) (s/m) at all points, shape (n,); None for zero
-    # sigma (N/m^2) at all points, shape (n,); None takes that of the law in the state
+    # sigma (N/m^2) at all points, shape (n,); None: pressure of the law in the state
     pressure: Floats | None = None
 
     def __post_init__(self) -> None:

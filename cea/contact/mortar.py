@@ -1,15 +1,15 @@
 """Mortar contact: the gap projected on the trace space of side a.
 
-With psi_i the traces of side a, split at corners where its normal jumps, and g the gap, the
-multiplier lambda_h = sum_i l_i psi_i obeys M l = B x, where
+With psi_i the traces of side a, split at corners, and g the gap, the multiplier
+lambda_h = sum_i l_i psi_i satisfies M l = B x, where
 
     B_i = int psi_i g,   M_ij = int psi_i psi_j / p,   (B_k)_i = int mu psi_i [[u]].k,
 
-and K_n = B^T M^-1 B, K_f = B_k^T M^-1 B. B and M are sparse, K_n and K_f full on the whole
-interface: what is solved keeps l as unknowns (:mod:`cea.contact.saddle`). Bonded sides close the
-jump along fixed axes, which is continuous over a corner: their traces stay whole. Where p is zero
-the sides have lifted off: the integrals go over the rest of the interface, and traces that vanish
-there bear no multiplier.
+and K_n = B^T M^-1 B, K_f = B_k^T M^-1 B. B and M are sparse, K_n and K_f are dense on the whole
+interface, so solvers keep l as unknowns (:mod:`cea.contact.saddle`). Bonded sides constrain the
+jump along fixed axes, which is continuous over a corner: their traces are not split. Where p is
+zero the sides are open: the integrals exclude the open region, and traces that vanish elsewhere
+have no multiplier.
 """
 
 from dataclasses import dataclass
@@ -28,9 +28,9 @@ from cea.matrices import destroy, distributed, local_part, product, symmetric_pr
 from cea.petsc import PETSc
 
 _INDEPENDENT = 1e-15
-"""Least pivot of M, scaled to a diagonal of ones, of a trace that is not a sum of others."""
+"""Pivot of M, scaled to unit diagonal, below which a trace is linearly dependent."""
 _INDEPENDENT_CUT = 1e-13
-"""The same of traces that are cut by what is open: sparse factors do not find such dependences."""
+"""The same for traces cut by an open region: sparse factors do not detect such dependence."""
 
 
 @dataclass(frozen=True)
@@ -38,15 +38,15 @@ class MortarProjection:
     """Projection of functions at segment points on the trace space of side a."""
 
     interface: Interface  # segment points
-    traces: Any  # psi at the points, PETSc AIJ (points x m); zero at points that are left out
+    traces: Any  # psi at the points, PETSc AIJ (points x m); zero at excluded points
 
     @classmethod
     def of(
         cls, interface: Interface, traces: csr_array, closed: NDArray[np.bool_]
     ) -> "MortarProjection":
-        """The projection on those of some traces at the points of this rank that a point sees.
+        """Return the projection on those of given traces that do not vanish at the closed points.
 
-        Of all points those count that are closed, shape (n,).
+        ``traces`` are at the points of this rank, ``closed``, shape (n,), at all points.
         """
         comm, seen = interface.comm, _at(interface, traces, closed)
 
@@ -65,17 +65,17 @@ class MortarProjection:
         return on(touched[kept])
 
     def integrals(self, jump: Any) -> Any:
-        """Int psi_i of a jump given at the points, PETSc AIJ (points x free dofs)."""
+        """Return int psi_i of a jump at the points, PETSc AIJ (multipliers x free dofs)."""
         return product(self.traces, jump, self.interface.local_points.weight)
 
     def compliance(self, stiffness: Floats) -> Any:
-        """M, PETSc AIJ (m x m), symmetric to the last bit, of p or a part of it at all points."""
+        """Return M, PETSc AIJ (m x m), symmetric to the last bit, for a stiffness at all points."""
         own, area = stiffness[self.interface.rows], self.interface.local_points.weight
         share = np.divide(area, own, out=np.zeros(len(own)), where=own > 0)
         return symmetric_product(self.traces, share)
 
     def pressure(self, stiffness: Floats, integrals: Floats) -> Floats:
-        """Contact pressure lambda_h (N/m^2) at all points, on every rank, from p and B x."""
+        """Return the pressure lambda_h (N/m^2) at all points, on every rank, from p and B x."""
         compliance = self.compliance(stiffness)
         multiplier = spsolve(everywhere(compliance).tocsc(), integrals)
         destroy(compliance)
@@ -84,15 +84,15 @@ class MortarProjection:
 
 
 class Eliminated:
-    """B and B_k on the unknowns that they touch, and M^-1 of a block; the same on every rank.
+    """Dense B, B_k and factors of M on the unknowns they touch, the same on every rank.
 
-    A law that is not linear meets the closure projected on the traces of side a. With N the traces
-    psi at the points and M_ij = int psi_i psi_j,
+    A nonlinear law uses the closure projected on the traces of side a. With N the traces psi at the
+    points and M_ij = int psi_i psi_j,
 
         g = N M^-1 (B x - N^T w g_n),    r = (B - mu B_k)^T M^-1 N^T w sigma(g),
 
-    the multiplier is the projected pressure. Where p is uniform this is the mortar contact of a
-    linear law.
+    the multiplier is the projected pressure. For uniform p this is the mortar contact of a linear
+    law.
     """
 
     def __init__(self, projection: MortarProjection, M: Any, gap: Any, slip: Any | None) -> None:
@@ -100,7 +100,7 @@ class Eliminated:
         scale = 1 / np.sqrt(np.diag(dense))
         scaled = scale[:, None] * dense * scale
         factor, order, rank, _ = lapack.dpstrf(scaled, tol=_INDEPENDENT)
-        self._traces = order[:rank] - 1  # those that are not sums of others
+        self._traces = order[:rank] - 1  # linearly independent traces
         self._scale, self._factor = scale[self._traces, None], np.triu(factor[:rank, :rank])
         wholes = [everywhere(each)[self._traces] for each in (gap, slip) if each is not None]
         self._columns = np.unique(np.concatenate([w.indices[w.data != 0] for w in wholes]))
@@ -109,21 +109,21 @@ class Eliminated:
 
     @cached_property
     def _at_points(self) -> csr_array:
-        """N, shape (n, m)."""
+        """N, traces at all points, shape (n, m)."""
         return csr_array(everywhere(self._projection.traces)[:, self._traces])
 
     def closing(self, x: Floats) -> Floats:
-        """N M^-1 B x of unknowns x, the rows of this rank, shape (n,)."""
+        """Return N M^-1 B x for unknowns x, the rows of this rank, shape (n,)."""
         every = np.concatenate(self._gap.comm.tompi4py().allgather(x))
         multipliers = self._solve(self._integrals[0] @ every[self._columns, None])
         return (self._at_points @ multipliers)[:, 0]
 
     def projected(self, gap: Floats) -> Floats:
-        """The gap projected on the traces, shape (n,)."""
+        """Return a gap projected on the traces, shape (n,)."""
         return (self._at_points @ self._multipliers(gap))[:, 0]
 
     def pushed(self, pressure: Floats, *, friction: bool) -> Floats:
-        """Forces r of a pressure at all points, the rows of this rank."""
+        """Return the forces r of a pressure at all points, the rows of this rank."""
         multipliers = self._multipliers(pressure)[:, 0]
         values = self._integrals[0].T @ multipliers
         if friction:
@@ -133,12 +133,12 @@ class Eliminated:
         return force
 
     def tangent(self, slope: Floats) -> tuple[Any, Any | None]:
-        """Derivatives of r with a slope of the law, full on the whole interface."""
+        """Return K_n and K_f, the derivative of r, for a slope of the law; dense matrices."""
         weighted = diags_array(self._weight * slope) @ self._at_points
         return self.matrices(csr_array(self._at_points.T @ weighted))
 
     def matrices(self, inner: csr_array | None = None) -> tuple[Any, Any | None]:
-        """K_n = B^T M^-1 B and K_f = B_k^T M^-1 B, PETSc AIJ; with M^-1 A M^-1 of an inner A."""
+        """Return K_n and K_f with M^-1, or with M^-1 A M^-1 for a given inner A, PETSc AIJ."""
         multipliers = self._solve(self._integrals[0])
         if inner is not None:
             multipliers = self._solve(inner @ multipliers)
@@ -148,11 +148,11 @@ class Eliminated:
         return K_n, self._matrix(friction[0]) if friction else None
 
     def _solve(self, right: Floats) -> Floats:
-        """M^-1 times a block."""
+        """Return M^-1 times a block."""
         return self._scale * cho_solve((self._factor, False), self._scale * right)
 
     def _multipliers(self, values: Floats) -> Floats:
-        """M^-1 N^T w of values at all points, shape (m, 1)."""
+        """Return M^-1 N^T w times values at all points, shape (m, 1)."""
         return self._solve(self._at_points.T @ (self._weight * values)[:, None])
 
     def _matrix(self, block: Floats) -> Any:
@@ -166,18 +166,18 @@ class Eliminated:
         return distributed(rows, self._gap.getSizes()[1], self._gap.comm)
 
     def _mine(self) -> tuple[Ints, int]:
-        """Which of the columns are unknowns of this rank, and its first unknown."""
+        """Return which columns are unknowns of this rank, and its first unknown."""
         first, last = self._gap.getOwnershipRangeColumn()
         return np.flatnonzero((self._columns >= first) & (self._columns < last)), first
 
 
 def everywhere(matrix: Any) -> csr_array:
-    """All rows of a matrix on every rank."""
+    """Return all rows of a matrix on every rank."""
     return csr_array(vstack(matrix.comm.tompi4py().allgather(local_part(matrix))))
 
 
 def _at(interface: Interface, traces: csr_array, points: NDArray[np.bool_]) -> csr_array:
-    """Traces of this rank at some of all points, none at the others."""
+    """Return the traces of this rank, set to zero at all but the given points."""
     seen = traces.copy()
     seen.data = seen.data * np.repeat(points[interface.rows], np.diff(seen.indptr))
     seen.eliminate_zeros()
@@ -185,15 +185,15 @@ def _at(interface: Interface, traces: csr_array, points: NDArray[np.bool_]) -> c
 
 
 def _seen_by_any(seen: csr_array, comm: Any) -> Ints:
-    """Traces that a point of some rank sees, rising."""
+    """Return the sorted traces that are nonzero at a point of any rank."""
     return np.unique(np.concatenate(comm.allgather(np.unique(seen.indices))))
 
 
 def _independent(gram: csr_array, cut: NDArray[np.bool_], comm: Any) -> Ints:
-    """Traces of which none is a sum of others at the points that count, the same on every rank.
+    """Return linearly independent traces at the closed points, the same on every rank.
 
-    Traces that are cut reach beyond those points, and there may be more of them than points that
-    see them; the Schur complement of what they add to the others tells which are needed.
+    Traces cut by an open region may outnumber the closed points in their support; the pivoted
+    Cholesky factorisation of their Schur complement finds the independent ones.
     """
     kept: Ints | None = None
     if comm.rank == 0:

@@ -1,17 +1,17 @@
-"""Contact with its forces as unknowns: the saddle form, and mortar contact in either form.
+"""Contact with forces as Lagrange multipliers: the saddle form, and all mortar contact.
 
     [ K   L^T  ] [x]   [r]
     [ J   -C/P ] [f] = [0],     L = J - R,
 
-and eliminating f gives the penalty form: P L^T C^-1 J = K_n - K_f. No digits are lost to rounding
-as P grows, and P = infinity ties the sides along the normal while friction stays alive. With
+Eliminating f gives the penalty form: P L^T C^-1 J = K_n - K_f. The saddle form loses no digits as
+P grows, and P = infinity ties the sides along the normal but keeps friction. With
 p = P p^,
 
     points:   sqrt(W p^) G = Q J,     R = Q^T sqrt(W p^) diag(mu) T,     C = 1
     mortar:   J = B,                  R = B_k,                           C_ij = int psi_i psi_j / p^
 
 all of them sparse. A rule has more points than there are independent gaps: the factorisation drops
-the rest (:mod:`cea.contact.compression`).
+dependent rows (:mod:`cea.contact.compression`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -39,13 +39,13 @@ from cea.matrices import (
 from cea.petsc import MPI
 
 _UNFELT = 1e-24
-"""Stiffness, relative to the largest of a contact, of a force that the bodies do not feel."""
+"""Relative stiffness of a force, compared with the largest of a contact, treated as zero."""
 
 
 def forces_of_contacts(contacts: Sequence[Contact], stiffness: Floats) -> Iterator[ForcesOfContact]:
-    """Forces that are unknowns, of each contact that has any; collective.
+    """Yield the multipliers of each contact that has any; collective.
 
-    With the diagonal of K of the bodies (N/m), the rows of this rank.
+    ``stiffness`` is the diagonal of K of the bodies (N/m), the rows of this rank.
     """
     for name, halves in with_multipliers(contacts).items():
         made = (_at_points if halves[0].projection is None else _projected)(halves)
@@ -59,9 +59,9 @@ def forces_of_contacts(contacts: Sequence[Contact], stiffness: Floats) -> Iterat
 
 
 def with_multipliers(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
-    """Half passes whose forces are unknowns by contact, but for those between sides that are held.
+    """Return half passes with multipliers by contact, except between sides without free dofs.
 
-    The halves of a full pass go together: one P is shared among them.
+    The halves of a full pass share one P.
     """
     return {
         name: halves
@@ -71,11 +71,11 @@ def with_multipliers(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
 
 
 def few_forces(halves: Sequence[Contact], carried: Sequence[csr_array]) -> tuple[csr_array, ...]:
-    """J, and Q^T sqrt(W p^) of further rows at the points, the rows that this rank is left with."""
+    """Return J, and Q^T sqrt(W p^) times other rows at the points; the rows of this rank."""
     gaps, others, places = [], [], []
     for half, share, rows in zip(halves, _relative_stiffness(halves), carried, strict=True):
         weight = half.weight(share)
-        closed = np.flatnonzero(weight)  # points that have lifted off bear no force
+        closed = np.flatnonzero(weight)  # open points have no force
         root = diags_array(np.sqrt(weight[closed]))
         gaps.append(csr_array(root @ local_part(half.gap)[closed]))
         others.append(csr_array(root @ rows[closed]))
@@ -85,7 +85,7 @@ def few_forces(halves: Sequence[Contact], carried: Sequence[csr_array]) -> tuple
 
 
 def _relative_stiffness(halves: Sequence[Contact]) -> list[Floats]:
-    """p^ of each half at all points (1/m^2): p over the P of both; even where p is infinite."""
+    """Return p^ = p / P of each half at all points (1/m^2), P of both halves; uniform if tied."""
     if any(half.tied for half in halves):
         weights = [half.interface.points.weight for half in halves]
         return [np.full(len(w), 1 / (len(halves) * w.sum())) for w in weights]
@@ -94,7 +94,7 @@ def _relative_stiffness(halves: Sequence[Contact]) -> list[Floats]:
 
 
 def _projected(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
-    """J, R and C of multipliers of mortar and bonded contact."""
+    """Return J, R and C of mortar and bonded contact."""
     shares = _relative_stiffness(halves)
     parts = [half.compliance(share) for half, share in zip(halves, shares, strict=True)]
     closure, slip = one_below_the_other([half.gap for half in halves]), None
@@ -106,7 +106,7 @@ def _projected(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
 
 
 def _at_points(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
-    """J, R and C of forces at points, as few as there are independent gaps."""
+    """Return J, R and C of pointwise contact, compressed to the independent gaps."""
     gap, frictional = halves[0].gap, halves[0].slip is not None
     slips = [
         local_part(half.slip) if frictional else csr_array(local_part(half.gap).shape)
@@ -119,7 +119,7 @@ def _at_points(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
 
 
 def _body_stiffness(closure: Any, compliance: Any, stiffness: Floats) -> tuple[float, float]:
-    """P (N/m) at which the stiffest and the softest force are about as stiff as the bodies."""
+    """Return P (N/m) at which the stiffest and the softest force match the body stiffness."""
     squares, comm = squared(closure), closure.comm.tompi4py()
     relative = applied(squares, 1 / stiffness) / diagonal_of(compliance)
     destroy(squares)

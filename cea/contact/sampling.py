@@ -1,9 +1,9 @@
-"""How the points of an interface suit the traces of its sides: too few of them, or too many.
+"""Number of points of an interface compared with the traces of its sides: too few or too many.
 
-A rule with fewer points than a side has trace functions leaves gaps that nothing resists. One with
-more points than either side has, on meshes of which neither holds the other's traces, asks for a
-closed gap more often than the traces can give, and locks as the stiffness grows. Traces are counted
-split at corners, for there is a gap along the normal of each smooth part.
+A rule with fewer points than a side has trace functions leaves gaps without resistance. A rule with
+more points than either side has, on meshes of which neither contains the other's traces, has more
+constraints than the traces can satisfy, and locks as the stiffness grows. Traces are counted after
+splitting at corners, since each smooth part has its own normal.
 """
 
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ from cea.arrays import Floats
 from cea.contact.interface import Interface
 
 _HELD = 1e-6
-"""Part of a trace that rounding, and the small shift below, may leave out of the other's."""
+"""Relative projection error, due to rounding and the shift below, of a contained trace."""
 _SHIFT = 1e-12
-_VANISHES = 1e-10  # value of a trace function that counts as zero
+_VANISHES = 1e-10  # value of a trace function below which it is treated as zero
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class Sampling:
     """Points of an interface, and trace functions of each side where the sides meet."""
 
     points: int  # number of points
-    # number of scalar trace functions of side a, or their part by area where it is not covered
+    # number of scalar trace functions of side a, scaled by the covered fraction of its area
     functions_a: int
-    functions_b: int  # number of those of side b that points touch
+    functions_b: int  # number of those of side b that are nonzero at a point
 
 
 def sampling(interface: Interface) -> Sampling:
@@ -40,7 +40,7 @@ def sampling(interface: Interface) -> Sampling:
 
 
 def nested(interface: Interface) -> bool:
-    """Whether one side has the traces of the other, as on meshes that match; collective."""
+    """Return whether one side contains the other's traces, as on matching meshes; collective."""
     comm = interface.comm
     traces = [
         csr_array(vstack(comm.allgather(csr_array(trace[:, _touched(interface, trace)]))))
@@ -52,19 +52,19 @@ def nested(interface: Interface) -> bool:
 
 
 def _traces(interface: Interface) -> tuple[csr_array, csr_array]:
-    """Trace functions of both sides, split at corners, at the points of this rank."""
+    """Return the trace functions of both sides, split at corners, at the points of this rank."""
     points, opposite = interface.local_points.at, interface.opposite.at
     return interface.a.split_trace(points), interface.b.split_trace(opposite)
 
 
 def _touched(interface: Interface, trace: csr_array) -> np.ndarray:
-    """Trace functions that do not vanish at all points, on some rank."""
+    """Return the trace functions that are nonzero at a point of any rank."""
     own = np.unique(trace.indices[np.abs(trace.data) > _VANISHES])
     return np.unique(np.concatenate(interface.comm.allgather(own)))
 
 
 def _holds(one: csr_array, other: csr_array, weight: Floats) -> bool:
-    """Whether a random function of the one lies in the traces of the other."""
+    """Return whether a random function of ``one`` lies in the span of ``other``."""
     values = one @ np.random.default_rng(0).standard_normal(one.shape[1])
     weighted = diags_array(weight)
     gram = other.T @ weighted @ other

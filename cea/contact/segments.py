@@ -1,12 +1,12 @@
 """Segments: Gauss points on the common refinement of two surface meshes.
 
-Trace functions are smooth inside the cells of their surface only (facets of a mesh, knot spans of
-a patch). A rule that integrates products of both traces must break at the cell boundaries of both.
-Cells of side b are mapped along the normal of a into the reference coordinates of each cell of a
-they may touch and clipped there, so that cells bounded by parameter lines of both sides, or by
-straight lines on flat facets, are cut exactly; other edges are followed by polylines. Where the rim
-of b is hollow, or crosses that of a at a flat angle, polylines reach a little beyond it: points
-there face nothing and are dropped.
+Trace functions are smooth only inside the cells of their surface (facets of a mesh, knot spans of
+a patch). A rule for products of both traces must break at the cell boundaries of both. Cells of
+side b are mapped along the normal of a into the reference coordinates of each cell of a that they
+may overlap, and clipped there. Cells bounded by parameter lines of both sides, or by straight lines
+on flat facets, are clipped exactly; other edges are approximated by polylines. Where the boundary
+of b is concave, or crosses that of a at a small angle, polylines extend slightly beyond it: points
+there that have no opposite point are dropped.
 """
 
 from dataclasses import dataclass
@@ -23,24 +23,23 @@ from cea.surface import Surface
 from cea.surface_points import SurfaceCells, SurfaceCoordinates, SurfacePoints, gauss_rule
 
 _STRAIGHT = 1e-8
-"""Distance of an edge from its chord, relative to the cell of a, that counts as straight.
+"""Distance of an edge from its chord, relative to the cell of a, below which it is straight.
 
-Traces of b are continuous across its edges: a break off by d costs an integral d^2 inside the
-surfaces, and d at their rims.
+Traces of b are continuous across its edges: a break misplaced by d causes an integration error of
+order d^2 inside the surfaces, and d at their boundaries.
 """
-_SLIVER = 1e-14  # segments below this part of their cell's area are dropped
+_SLIVER = 1e-14  # segments below this area, relative to their cell, are dropped
 _POLYLINE = 16
-"""Pieces, at most, that stand for an edge of b that is curved in the coordinates of a."""
-_CHUNK = 10_000  # pairs of cells that are worked on at once
+"""Largest number of pieces of the polyline for an edge of b that is curved in a's coordinates."""
+_CHUNK = 10_000  # pairs of cells per chunk
 
 
 def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> SurfacePoints:
-    """Gauss points on a, weights with its Jacobian, on the common refinement of two surfaces.
+    """Return Gauss points on a, with weights, on the common refinement of two surfaces.
 
-    So many points per direction in each segment; None takes what is exact for the degrees of both
-    traces on flat interfaces. Surfaces are within a reach (m); parts of a that face no cell of b
-    hold none. A cell of b that cannot be mapped to the coordinates of one of a ends in a
-    ConvergenceError.
+    ``points`` is the number per direction in each segment; None: exact on flat interfaces for the
+    degrees of both traces. The surfaces are within ``reach`` (m); parts of a without an opposite
+    cell of b have no points. Raise ConvergenceError if a cell of b cannot be mapped to one of a.
     """
     sides = _Sides(a, a.cells(), b, b.cells())
     pairs = sides.near(reach)
@@ -65,7 +64,7 @@ def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> 
 
 @dataclass(frozen=True)
 class _Sides:
-    """Two surfaces and their cells. Pairs are numbers of cells of a and b, shape (n, 2)."""
+    """Two surfaces and their cells. Pairs are cell numbers of a and b, shape (n, 2)."""
 
     a: Surface
     cells_a: SurfaceCells
@@ -73,14 +72,14 @@ class _Sides:
     cells_b: SurfaceCells
 
     def on_a(self, cell: Ints, xi: Floats, weight: Floats) -> SurfacePoints:
-        """Points of reference weights in cells of a."""
+        """Return points in cells of a, given their xi and reference weights."""
         at = SurfaceCoordinates(self.cells_a.element[cell], xi)
         x, tangents = self.a.tangents(at.element, xi)
         area = np.linalg.norm(cross(tangents), axis=1)
         return SurfacePoints(at, x, self.a.normal(at), weight * area)
 
     def facing(self, points: SurfacePoints, cell: Ints, reach: float) -> NDArray[np.bool_]:
-        """True for points within their cells of b, and for those others that are found on b."""
+        """Return True for points inside their cells of b, or located elsewhere on b."""
         corners = self.cells_b.corners[cell]
         element = self.cells_b.element[cell]
         xi = continued_coordinates(self.b, element, corners, points.x[:, None])
@@ -93,7 +92,7 @@ class _Sides:
         return facing
 
     def near(self, reach: float) -> Ints:
-        """Pairs of cells that face each other and whose bounding balls come within reach."""
+        """Return pairs of facing cells whose bounding spheres come within reach."""
         a, b = self.a.bounds, self.b.bounds
         found = KDTree(b.centre).query_ball_point(a.centre, a.radius + b.radius.max() + reach)
         i = np.repeat(np.arange(len(found)), [len(f) for f in found])
@@ -107,7 +106,7 @@ class _Sides:
         return np.column_stack([i, j])[(apart <= reach) & facing]
 
     def outlines_in_a(self, pairs: Ints, pieces: int) -> Floats:
-        """Outlines of cells of b in the coordinates of those of a, continued beyond them."""
+        """Return outlines of cells of b in the extrapolated coordinates of cells of a."""
         x = _outlines(self.b, self.cells_b, pairs[:, 1], pieces)
         own = pairs[:, 0]
         return continued_coordinates(
@@ -115,7 +114,7 @@ class _Sides:
         )
 
     def intervals(self, pairs: Ints, points: int | None) -> tuple[Ints, Floats, Floats]:
-        """Common refinement of two curves: cell of a, xi and reference weight of Gauss points."""
+        """Return Gauss points of the refinement of two curves: cell of a, xi, reference weight."""
         mapped = np.sort(self.outlines_in_a(pairs, 1)[..., 0], axis=1)
         own = np.sort(self.cells_a.corners[pairs[:, 0]][..., 0], axis=1)
         low = np.maximum(own[:, 0], mapped[:, 0])
@@ -126,7 +125,7 @@ class _Sides:
         return _rule_on_cells(pairs[kept, 0], ends, count, simplex=False)
 
     def polygons(self, pairs: Ints, points: int | None, pieces: int) -> tuple[Ints, Floats, Floats]:
-        """Common refinement of two surfaces: pair, xi and reference weight of Gauss points."""
+        """Return Gauss points of the refinement of two surfaces: pair, xi, reference weight."""
         degree = max(self.cells_a.degree, self.cells_b.degree)
         tensor = self.cells_a.tensor or self.cells_b.tensor
         own = self.cells_a.corners[pairs[:, 0]]
@@ -138,10 +137,10 @@ class _Sides:
         return _rule_on(owner, overlap, points or degree + 1, on_triangles)
 
     def crossing(self, pairs: Ints) -> tuple[Ints, NDArray[np.bool_]]:
-        """Pairs whose cells may overlap, and whether the cell of b has straight edges there.
+        """Return pairs that may overlap, and whether the cell of b has straight edges there.
 
-        Between its samples an edge is taken to leave the box around them by half their largest
-        second difference at most, four times what a parabola does.
+        Between samples an edge is assumed to leave their bounding box by at most half the largest
+        second difference, four times the value of a parabola.
         """
         own = self.cells_a.corners[pairs[:, 0]]
         low, extent = own.min(axis=1)[:, None], np.ptp(own, axis=1)[:, None]
@@ -158,7 +157,7 @@ class _Sides:
 
 
 def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int) -> Floats:
-    """Positions (m) along the boundaries of cells, each edge in so many pieces, (n, m, dim)."""
+    """Return positions (m) along cell boundaries, each edge in ``pieces`` pieces, (n, m, dim)."""
     corners = cells.corners[numbers]
     t = np.arange(pieces)[:, None] / pieces
     edges = [
@@ -172,15 +171,15 @@ def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int)
 
 
 def _edges(outlines: Floats, pieces: int) -> Floats:
-    """Points of each edge of outlines (n, m, 2), its ends included, (n, edges, pieces + 1, 2)."""
+    """Return the points of each edge of outlines (n, m, 2), (n, edges, pieces + 1, 2)."""
     edges = outlines.reshape(len(outlines), -1, pieces, 2)
     return np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
 
 
 def _simplified(outlines: Floats, pieces: int, extent: Floats) -> NDArray[np.object_]:
-    """Outlines (n, m, 2) as polygons, each edge with no more of its pieces than it needs.
+    """Return outlines (n, m, 2) as polygons without unnecessary points.
 
-    Edge by edge, so that two cells that share one keep the same points of it.
+    Edges are simplified one by one, so that cells that share an edge keep the same points.
     """
     edges = _edges(outlines, pieces)
     count, tolerance = edges.shape[1], _STRAIGHT * np.repeat(extent, edges.shape[1])
@@ -193,7 +192,7 @@ def _simplified(outlines: Floats, pieces: int, extent: Floats) -> NDArray[np.obj
 
 
 def _clip(cells: Floats, other: NDArray[np.object_]) -> tuple[Ints, NDArray[np.object_]]:
-    """Overlaps of convex cells with polygons, both in reference coordinates; slivers dropped."""
+    """Return overlaps of convex cells and polygons, in reference coordinates, without slivers."""
     own = shapely.polygons(cells)
     broken = ~shapely.is_valid(other)
     other[broken] = shapely.make_valid(other[broken])
@@ -205,7 +204,7 @@ def _clip(cells: Floats, other: NDArray[np.object_]) -> tuple[Ints, NDArray[np.o
 def _rule_on(
     owner: Ints, overlaps: NDArray[np.object_], on_boxes: int, on_triangles: int
 ) -> tuple[Ints, Floats, Floats]:
-    """Gauss rules on overlaps, boxes along the axes or divided in triangles: owner, xi, weight."""
+    """Return Gauss rules on overlaps, split in triangles unless boxes: owner, xi, weight."""
     bounds = shapely.bounds(overlaps)
     area = (bounds[:, 2:] - bounds[:, :2]).prod(axis=1)
     is_box = np.abs(shapely.area(overlaps) - area) <= 1e-13 * area
@@ -224,9 +223,9 @@ def _rule_on(
 def _rule_on_cells(
     owner: Ints, corners: Floats, n: int, *, simplex: bool
 ) -> tuple[Ints, Floats, Floats]:
-    """Gauss rule, n points per direction, on stretches, parallelograms or triangles.
+    """Return Gauss rules, n points per direction, on intervals, parallelograms or triangles.
 
-    Of three corners each, (m, 3, 2), or two ends; exact to total degree 2 n - 1 in triangles.
+    ``corners`` are three each, (m, 3, 2), or two ends; exact to total degree 2 n - 1 in triangles.
     """
     t, w = gauss_rule(n, corners.shape[2], simplex=simplex)
     at, extent = SurfaceCells(owner, corners, n, not simplex).coordinates(t)

@@ -1,1 +1,1 @@
-"""What holds and loads a body: supports, springs, pressures, forces."""
+"""Boundary conditions of a body: supports, springs, pressures, forces."""

@@ -1,4 +1,4 @@
-"""Supports, springs, pressures and forces on named surfaces of a body, and through all of it."""
+"""Supports, springs, pressures and forces on named surfaces of a body, and volume forces."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -13,14 +13,14 @@ from cea.surface_points import SurfacePoints
 Component = Literal["x", "y", "z", "radial", "circumferential", "axial", "normal"]
 _ABOUT_AXIS = ("radial", "circumferential", "axial")
 _FRAMES = (("x", "y", "z"), _ABOUT_AXIS, ("normal",))
-"""Components of each frame; a support names those of one."""
+"""Components of each frame; the components of a support belong to one frame."""
 _ON_AXIS = 1e-9
-"""Distance from an axis at which directions about it lose sense, relative to the surface."""
+"""Distance from the axis, relative to the surface, below which directions are undefined."""
 
 
 @dataclass(frozen=True)
 class Support:
-    """Displacement components held on a surface; every one when none is named.
+    """Displacement components prescribed on a surface; all of them if none is named.
 
     Parameters
     ----------
@@ -29,12 +29,12 @@ class Support:
     components
         Some of x, y, z; or of radial, circumferential, axial; or normal, a roller.
     axis
-        Direction of the axis of radial, circumferential, axial; left out in 2D.
+        Direction of the axis of radial, circumferential, axial; omitted in 2D.
     origin
-        A point of it (m), by default the origin.
+        A point of the axis (m), by default the origin.
     value
-        Displacement (m) at which they are held: a number for each component named (for x, y, z
-        where none is), or one for all; by default zero. Small motions are held at zero.
+        Prescribed displacement (m): a number for each named component (for x, y, z if none is
+        named), or one for all; by default zero. Small motions are zero there.
     """
 
     surface: str
@@ -49,7 +49,7 @@ class Support:
         frames = "of one frame: " + ", or ".join(", ".join(names) for names in _FRAMES)
         require(of_one, "components", components, frames)
         for name, vector in (("axis", self.axis), ("origin", self.origin)):
-            allowed = "left out beside components other than radial, circumferential, axial"
+            allowed = "left out unless components are radial, circumferential, axial"
             require(vector is None or self._about_axis, name, vector, allowed)
             finite = vector is None or bool(np.isfinite(vector).all())
             require(finite, name, vector, "finite coordinates (m)")
@@ -59,7 +59,7 @@ class Support:
         require(finite, "value", self.value, "finite numbers (m)")
         if isinstance(self.value, tuple) and count:
             require(len(self.value) == count, "value", self.value, f"one number (m), or {count}")
-            allowed = "each once where each has a value"
+            allowed = "distinct if each has a value"
             require(len(set(components)) == count, "components", components, allowed)
 
     @property
@@ -68,18 +68,18 @@ class Support:
 
     @property
     def prescribes(self) -> bool:
-        """Whether it holds anything elsewhere than at zero."""
+        """Whether a prescribed displacement is nonzero."""
         return self.value is not None and bool(np.any(self.value))
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse components, axes and values that do not suit the dimension of space."""
+        """Raise InputError for components, axes or values that do not fit the dimension."""
         if self._about_axis:
-            allowed = "left out in the plane" if dim == 2 else "three numbers, the axis meant"
+            allowed = "left out in 2D" if dim == 2 else "three numbers, the direction of the axis"
             require((self.axis is None) == (dim == 2), f"{field}.axis", self.axis, allowed)
             fits = self.origin is None or len(self.origin) == dim
             require(fits, f"{field}.origin", self.origin, f"{dim} coordinates (m)")
         beyond = {"z", "axial"} & set(self.components) if dim == 2 else set()
-        allowed = "those of the plane: x, y, radial, circumferential, normal"
+        allowed = "those of 2D: x, y, radial, circumferential, normal"
         require(not beyond, f"{field}.components", self.components, allowed)
         held = self._held(dim)
         fits = not isinstance(self.value, tuple) or len(self.value) == len(held)
@@ -90,20 +90,20 @@ class Support:
             raise InputError(f"{field}.value", self.value, allowed)
 
     def _held(self, dim: int) -> tuple[str, ...]:
-        """Held components, each once."""
+        """Return the constrained components, each once."""
         return tuple(dict.fromkeys(self.components or ("x", "y", "z")[:dim]))
 
     def values(self, dim: int) -> Floats:
-        """Displacement along each of the held directions (m), shape (held components,)."""
+        """Return the prescribed displacements (m), shape (components,)."""
         given = 0.0 if self.value is None else self.value
         return np.array(np.broadcast_to(np.asarray(given, dtype=float), len(self._held(dim))))
 
     def directions(self, x: Floats, normal: Floats) -> Floats:
-        """Held unit directions at points x (m) of the surface with outward unit normals.
+        """Return the constrained unit directions at points x (m) with outward unit normals.
 
-        Shape (held components, n, dim). Radial and circumferential together hold the plane across
-        the axis, for which the same two directions serve everywhere; one alone is refused where a
-        point lies on the axis.
+        Shape (components, n, dim). Radial and circumferential together constrain the plane normal
+        to the axis, with the same two directions at all points; for one of them alone, raise
+        InputError if a point lies on the axis.
         """
         dim = x.shape[1]
         held = self._held(dim)
@@ -112,7 +112,7 @@ class Support:
         found: list[Floats] = []
         axis, arm = arms_about(self.axis or (0.0, 0.0, 1.0), self.origin or (), x)
         both = {"radial", "circumferential"} <= set(held)
-        if both:  # rows beyond the first are orthogonal to the axis
+        if both:  # rows after the first are orthogonal to the axis
             found.extend(np.linalg.svd(axis[None])[2][1:, :dim])
         for name in held:
             if name == "axial":
@@ -128,7 +128,7 @@ class Support:
 
 
 def _refuse_axis(x: Floats, distance: Floats) -> None:
-    """Refuse points (m) on the axis about which a support holds one direction."""
+    """Raise InputError if a point (m) lies on the axis of a single constrained direction."""
     if len(x) and distance.min() <= _ON_AXIS * max(np.ptp(x, axis=0).max(), distance.max()):
         raise InputError(
             "support.components",
@@ -158,7 +158,7 @@ class Spring:
         require(valid, "spring.stiffness", self.stiffness, "finite and not negative (N/m^3)")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse a spring of another dimension."""
+        """Raise InputError if the number of components is not ``dim``."""
         allowed = f"{dim} values (N/m^3), one for each component"
         require(len(self.stiffness) == dim, f"{field}.stiffness", self.stiffness, allowed)
 
@@ -175,36 +175,36 @@ class Pressure:
         require(finite, "pressure.value", self.value, "a finite number (N/m^2)")
 
     def check(self, dim: int, field: str) -> None:
-        """Accept any dimension."""
+        """Do nothing: a pressure fits any dimension."""
 
     def traction(self, points: SurfacePoints) -> Floats:
-        """Force per area (N/m^2) at points of its surface, (n, dim)."""
+        """Return the force per area (N/m^2) at points of the surface, (n, dim)."""
         return -self.value * points.normal
 
 
 @dataclass(frozen=True)
 class Force:
-    """A force on a body: spread evenly over a surface, or for each volume where none is named."""
+    """A force, distributed uniformly over a surface, or a volume force if no surface is named."""
 
-    # components of the whole of it (N; N/m in the plane), or of that of a unit volume (N/m^3)
+    # components of the total (N; N/m in 2D), or per volume (N/m^3)
     value: tuple[float, ...]
-    surface: str | None = None  # its name; None of a force on every part of the body
+    surface: str | None = None  # name of the surface; None: a volume force
 
     def __post_init__(self) -> None:
         finite = bool(np.isfinite(np.asarray(self.value, dtype=float)).all())
         require(finite, "force.value", self.value, "finite numbers (N, or N/m^3)")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse a force of another dimension."""
+        """Raise InputError if the number of components is not ``dim``."""
         require(len(self.value) == dim, f"{field}.value", self.value, f"{dim} components")
 
     def traction(self, points: SurfacePoints) -> Floats:
-        """Force per area (N/m^2) at points of its surface, (n, dim)."""
+        """Return the force per area (N/m^2) at points of the surface, (n, dim)."""
         return np.tile(np.array(self.value) / points.weight.sum(), (len(points), 1))
 
 
 def check_surface(name: str, known: Iterable[str], field: str) -> None:
-    """Refuse a surface that does not exist."""
+    """Raise InputError if a surface does not exist."""
     names = list(known)
     if name not in names:
         there = ", ".join(names) or "none: no surface is named"

@@ -1,4 +1,4 @@
-"""Directions held at scalar dofs, and the orthonormal frames they make there."""
+"""Constrained directions at scalar dofs, and orthonormal frames of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,10 +8,10 @@ import numpy as np
 from cea.arrays import Floats, Ints
 
 _INDEPENDENT = 1e-3
-"""Sine of the angle from which a direction counts as independent of those already held."""
+"""Sine of the angle below which a direction depends linearly on the previous ones."""
 
 _ALIGNED = 1e-12
-"""Deviation of a span of directions from coordinate axes that is taken for rounding."""
+"""Deviation of a span of directions from coordinate axes that is treated as rounding."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Directions:
     dof: Ints  # scalar dofs, shape (n,)
     direction: Floats  # unit directions there, shape (n, dim)
     value: Floats  # displacement along each (m), shape (n,)
-    support: Ints  # number of the support that holds each, shape (n,)
+    support: Ints  # number of the support of each, shape (n,)
 
     def __len__(self) -> int:
         return len(self.dof)
@@ -30,21 +30,21 @@ class Directions:
     def of(
         cls, dof: Ints, direction: Floats, value: Floats | float = 0.0, support: Ints | int = 0
     ) -> "Directions":
-        """Directions, one for all dofs or one each, and so with their values and supports."""
+        """Return directions at dofs; directions, values and supports may be one for all."""
         n = len(dof)
         direction = np.broadcast_to(direction, (n, np.shape(direction)[-1]))
         return cls(dof, direction, np.broadcast_to(value, n), np.broadcast_to(support, n))
 
     @classmethod
     def joined(cls, parts: Sequence["Directions"], dim: int) -> "Directions":
-        """Directions of several parts, in order."""
+        """Concatenate directions."""
         every = [cls.of(np.zeros(0, dtype=np.int64), np.zeros((0, dim))), *parts]
         columns = zip(*(vars(part).values() for part in every), strict=True)
         return cls(*(np.concatenate(column) for column in columns))
 
 
 def merged(entries: Directions, cosine: float) -> Ints:
-    """Label of each entry, the same for entries of one dof whose directions are near."""
+    """Return a label for each entry, equal for near directions at the same dof."""
     label = np.full(len(entries), -1)
     waiting = np.arange(len(entries))
     count = 0
@@ -52,7 +52,7 @@ def merged(entries: Directions, cosine: float) -> Ints:
         _, leader, group = np.unique(entries.dof[waiting], return_index=True, return_inverse=True)
         led = entries.direction[waiting[leader][group]]
         near = np.einsum("ij,ij->i", led, entries.direction[waiting]) >= cosine
-        # A leader is near itself, whatever rounding says: each pass ends with fewer waiting.
+        # A leader is near itself despite rounding, so that each pass removes some entries.
         near[leader] = True
         label[waiting[near]] = count + group[near]
         count += len(leader)
@@ -61,7 +61,7 @@ def merged(entries: Directions, cosine: float) -> Ints:
 
 
 def orthonormal(owner: Ints, direction: Floats, count: int) -> tuple[Floats, Ints, Ints]:
-    """Gram-Schmidt at each owner, its entries in order."""
+    """Orthonormalise the directions of each owner, in order, by Gram-Schmidt."""
     dim = direction.shape[1]
     vectors, rank = np.zeros((count, dim, dim)), np.zeros(count, dtype=np.int64)
     slot = np.full(len(owner), -1)
@@ -71,7 +71,7 @@ def orthonormal(owner: Ints, direction: Floats, count: int) -> tuple[Floats, Int
     for k in range(turn.max(initial=-1) + 1):
         entry = np.flatnonzero(turn == k)
         at, rest = owner[entry], direction[entry]
-        for _ in range(2):  # once more for the digits that cancel
+        for _ in range(2):  # reorthogonalise against cancellation
             along = np.einsum("nki,ni->nk", vectors[at], rest)
             rest = rest - np.einsum("nki,nk->ni", vectors[at], along)
         length = np.linalg.norm(rest, axis=1)
@@ -84,9 +84,9 @@ def orthonormal(owner: Ints, direction: Floats, count: int) -> tuple[Floats, Int
 
 
 def complement(taken: Floats) -> Floats:
-    """Orthonormal rows that complete those taken, which come first and are not needed again.
+    """Return an orthonormal frame whose last rows complete the given ones, which come first.
 
-    Where they span coordinate axes the rest is exactly the other axes, in their order.
+    If the given rows span coordinate axes, the last rows are exactly the other axes, in order.
     """
     dim = taken.shape[1]
     frame = np.linalg.svd(taken)[2]

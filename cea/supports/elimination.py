@@ -1,4 +1,4 @@
-"""Elimination of the constraints of a body: what supports hold becomes :class:`Constraints`."""
+"""Elimination of the constraints of a body, which gives :class:`Constraints`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,21 +13,21 @@ from cea.supports.constraints import Constraints, components, first_free_at
 from cea.supports.directions import Directions, complement, orthonormal
 
 _NEGLIGIBLE = 1e-14
-"""Coefficients dropped; those of dependent dofs fall exponentially with distance."""
+"""Drop tolerance of coefficients, which decay exponentially with the distance of the dofs."""
 
-_LARGEST = 1e6  # coefficient of a dependent dof beyond which its constraints contradict each other
+_LARGEST = 1e6  # coefficient of a dependent dof above which its constraints are contradictory
 
-_SAME = 1e-9  # difference of prescribed values, relative to the largest, that is taken for rounding
+_SAME = 1e-9  # relative difference of prescribed values treated as rounding
 
 
 @dataclass(frozen=True)
 class ProjectedConstraints:
-    """Rows of C u = 0, each with the dof and direction it is to be solved for."""
+    """Rows of C u = c, each with the dof and direction for which it is solved."""
 
-    # one dof and direction for each row. A row whose direction is held there already is dropped
+    # one dof and direction per row; a row is dropped if its direction is already constrained
     anchor: Directions
-    # coefficients by the number of the support that they are of, shape (rows, dim *
-    # num_scalar_dofs) each, which add up to C; they touch anchored dofs only
+    # coefficients by number of the support, shape (rows, dim * num_scalar_dofs) each, whose sum
+    # is C; only anchored dofs have any
     shares: Mapping[int, csr_array]
     right: Floats  # c of C u = c, shape (rows,), zero where no anchor has a value
 
@@ -39,10 +39,10 @@ def constrain(
     *,
     field: str = "supports",
 ) -> Constraints:
-    """Eliminate the constraints of a body: directions held at dofs, and constraints over many dofs.
+    """Eliminate the constraints of a body: directions at dofs, and projected constraints.
 
-    Refused, naming the field of the supports, where projected constraints contradict the held
-    directions around them, or supports hold one component at different values.
+    Raise InputError, naming ``field``, if projected constraints contradict the directions next to
+    them, or supports prescribe different values for one component.
     """
     dim = held.direction.shape[1]
     every = Directions.joined([held, projected.anchor] if projected else [held], dim)
@@ -55,7 +55,7 @@ def constrain(
     values = _held_displacement(held, owner[place], taken, slot[place], field).ravel()
     solved = np.flatnonzero(slot[len(held) :] >= 0)
     at, row = owner[len(held) :][solved], slot[len(held) :][solved]
-    # Displacement of the dofs from the amounts along the directions solved for.
+    # Displacement of the dofs per unit amount along the directions solved for.
     entries = (taken[at, row].ravel(), components(at, dim), dim * np.arange(len(at) + 1))
     anchors, shares = csr_array(csc_array(entries, shape=(dim * len(dofs), len(at)))), {}
     if projected and len(solved):
@@ -64,7 +64,7 @@ def constrain(
         C = csr_array(sum(shares.values()))
         free = csr_array(free + anchors @ _elimination(C @ anchors, C @ free, field))
         if every.value.any():
-            size = np.abs(every.value).max()  # coefficients are dropped below a size
+            size = np.abs(every.value).max()  # the drop tolerance is absolute
             rest = csr_array((C @ values - projected.right[solved])[:, None] / size)
             amounts = _elimination(C @ anchors, rest, field)
             values = values + size * (anchors @ amounts).toarray()[:, 0]
@@ -79,7 +79,7 @@ def constrain(
 def _rows_by_support(
     held: Directions, columns: Ints, width: int, shares: Mapping[int, csr_array]
 ) -> dict[int, csr_array]:
-    """What each support has of all constraints: directions, and projected rows of length one."""
+    """Return the constraints of each support: directions, and projected rows of unit norm."""
     (n, dim), rows = held.direction.shape, {}
     total = csr_array(sum(shares.values())) if shares else csr_array((0, width))
     scale = diags_array(1 / norm(total, axis=1))
@@ -93,7 +93,7 @@ def _rows_by_support(
 
 
 def _free_rows(frame: Floats, removed: Ints, first: Ints, total: int) -> csr_array:
-    """Displacement of each dof from its own free unknowns, shape (dim * dofs, total)."""
+    """Return the displacement of each dof from its free unknowns, shape (dim * dofs, total)."""
     count, dim, _ = frame.shape
     dof, row, component = np.nonzero(frame * (np.arange(dim) >= removed[:, None])[:, :, None])
     column = first[dof] + row - removed[dof]
@@ -102,7 +102,7 @@ def _free_rows(frame: Floats, removed: Ints, first: Ints, total: int) -> csr_arr
 
 
 def _elimination(solved: csr_array, free: csr_array, field: str) -> csr_array:
-    """-(C T)^-1 C B with negligible coefficients dropped, a chunk of columns at a time."""
+    """Return -(C T)^-1 C B without negligible coefficients, in chunks of columns."""
     used = np.unique(free.indices)
     right = free.tocsc()[:, used]
     try:
@@ -124,28 +124,28 @@ def _elimination(solved: csr_array, free: csr_array, field: str) -> csr_array:
 def _contradiction(field: str) -> InputError:
     return InputError(
         field,
-        "directions that turn along a surface, beside others held at its edge",
-        "at such an edge, directions that differ everywhere or agree everywhere",
+        "directions that vary on a surface, next to others at its edge",
+        "directions that differ, or agree, all along this edge",
     )
 
 
 def _held_displacement(
     held: Directions, owner: Ints, taken: Floats, slot: Ints, field: str
 ) -> Floats:
-    """Displacement of dofs that are held at values along directions, shape (dofs, dim)."""
+    """Return the displacement of dofs with prescribed values, shape (dofs, dim)."""
     along = np.einsum("nki,ni->nk", taken[owner], held.direction)
     amount = np.zeros(taken.shape[:2])
     for k in range(taken.shape[1]):
         new = np.flatnonzero(slot == k)
         before = np.einsum("nj,nj->n", along[new, :k], amount[owner[new], :k])
         amount[owner[new], k] = (held.value[new] - before) / along[new, k]
-    # Values may not contradict each other, as far as their directions are the same.
+    # Prescribed values must agree as far as their directions agree.
     spanned = np.einsum("nk,nki->ni", along, taken[owner])
     sine = np.linalg.norm(held.direction - spanned, axis=1)
     wrong = np.abs(held.value - np.einsum("nk,nk->n", along, amount[owner]))
     largest = np.abs(held.value).max(initial=0.0)
     if (wrong > (_SAME + 4 * sine) * largest).any():
         value = float(held.value[np.argmax(wrong)])
-        allowed = "the value of the other supports that hold the same component at an edge"
+        allowed = "the value of the other supports of the same component at an edge"
         raise InputError(f"{field}.value", value, allowed)
     return np.einsum("nk,nki->ni", amount, taken)

@@ -1,1 +1,1 @@
-"""Bodies and contacts coupled: matrices of the whole, stresses over its contacts."""
+"""Coupled bodies and contacts: matrices of the system, steady sliding, stresses."""

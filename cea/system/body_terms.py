@@ -1,9 +1,9 @@
-"""Pieces of a pencil that a body brings: stiffness and mass, damping and rotation.
+"""Terms of the pencil from a body: stiffness and mass, damping and rotation.
 
-By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.material.E`` and
-``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``; modal damping has its own.
+With the path of the body in a scene, ``bodies.<name>``, the parameters are ``.material.E`` and
+``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``, and that of modal damping.
 
-Damping that rotates with its body adds circulatory pieces to the stiffness (:mod:`cea.motion`).
+Damping that rotates with its body adds circulatory terms to the stiffness (:mod:`cea.motion`).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -35,22 +35,22 @@ from cea.matrices import (
 from cea.motion import Motion, Rotation
 from cea.petsc import Mat, PETSc
 
-if TYPE_CHECKING:  # brought in where modes are damped
+if TYPE_CHECKING:  # imported only if modes are damped
     from cea.system.modal_damping import DampedModes
 
 
 @dataclass(frozen=True)
 class BodyTerms:
-    """Pieces of a pencil that a body brings, each made once."""
+    """Terms of the pencil from a body, each computed once."""
 
     # the body
     name: str
     body: Body
-    motion: Motion  # its damping and rotation
-    with_mass: bool  # whether there is mass, and velocities count
-    # unknowns of this rank and of all ranks, of each body in their order
+    motion: Motion  # damping and rotation
+    with_mass: bool  # whether the pencil has mass and damping
+    # number of unknowns on this rank and on all ranks, of each body in order
     sizes: tuple[tuple[int, int], ...]
-    number: int  # which of them the body is
+    number: int  # index of this body
 
     @property
     def path(self) -> str:
@@ -59,13 +59,13 @@ class BodyTerms:
 
     @property
     def rows(self) -> slice:
-        """Unknowns of the body among those of this rank."""
+        """Range of the body's unknowns among those of this rank."""
         ends = np.cumsum([0, *(local for local, _ in self.sizes)])
         return slice(*ends[self.number : self.number + 2])
 
     @cached_property
     def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
-        """K and M, and what rotation and Rayleigh damping make of them."""
+        """Terms of K and M, rotation and Rayleigh damping."""
         own: list[Term | UnformedTerm[Circulatory]] = [*self._of_body(), *self._of_springs()]
         if self.body.material.entries and self._constants:
             own += self._of_constants()
@@ -77,7 +77,7 @@ class BodyTerms:
 
     @cached_property
     def modal(self) -> tuple[UnformedTerm[LowRank], ...]:
-        """Modal damping."""
+        """Terms of modal damping."""
         if self.motion.modal is None or not self.with_mass:
             return ()
         modes = self._damped_modes
@@ -86,18 +86,18 @@ class BodyTerms:
 
     @cached_property
     def _constants(self) -> Mapping[str, float]:
-        """Constants of the material that are parameters, by their names in it.
+        """Material constants that are parameters, by name.
 
-        None of a solid that has several where damping belongs to its modes or rotates with it.
+        Empty for solids with several constants if damping is modal or rotates with the body.
         """
         motion, constants = self.motion, self.body.material.constants
         unknown = motion.circulates or motion.modal is not None
         return {} if unknown and "E" not in constants else constants
 
     def parameters(self) -> Iterator[Parameter]:
-        """Parameters of the body."""
+        """Yield the parameters of the body."""
         path, motion = self.path, self.motion
-        fixed = motion.modal is not None  # modes of another material would be others
+        fixed = motion.modal is not None  # modes depend on the material
         convective = motion.rotation is not None and motion.rotation.convective_stiffness
         for name, value in self._constants.items():
             positive, unit = name[0] in "EG", "1" if name[0] == "n" else "N/m^2"
@@ -117,10 +117,10 @@ class BodyTerms:
             yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")
 
     def strain(self, x: Any) -> Floats | None:
-        """Displacement that elastic forces of beta K belong to: beta Omega M^-1 B of one in space.
+        """Return the displacement beta Omega M^-1 B u, whose elastic forces are those of damping.
 
-        Of displacements of all unknowns (m), PETSc vector, that of the dofs of this rank of the
-        body; None without damping of its stiffness.
+        ``x`` (m) are all unknowns, PETSc vector; the result is at the body's dofs on this rank.
+        None without rotating stiffness damping.
         """
         damping, rotation = self.motion.damping, self.motion.rotation
         if damping is None or rotation is None or not damping.beta * rotation.rate:
@@ -131,9 +131,9 @@ class BodyTerms:
         return damping.beta * rotation.rate * applied(self.body.expansion, free)
 
     def placed(self, matrix: Mat, *, rows: bool = True, columns: bool = True) -> Mat:
-        """A matrix of the body among zeros of the others: its rows, its columns or both.
+        """Return a matrix of the body padded with zeros for other bodies: rows, columns or both.
 
-        It is the matrix itself where there is no other body.
+        With a single body it is the matrix itself.
         """
         if len(self.sizes) == 1:
             return matrix
@@ -154,14 +154,14 @@ class BodyTerms:
 
     @property
     def _stiffness(self) -> Coefficient:
-        """Young's modulus, relative to its own, where it may change."""
+        """Coefficient of K: Young's modulus relative to its value, or 1 if it is fixed."""
         if "E" not in self._constants or self.motion.modal is not None:
             return CONSTANT
         return Coefficient({f"{self.path}.material.E": (self._constants["E"], 1.0)})
 
     @property
     def _mass(self) -> Coefficient:
-        """Density, relative to its own, where it may change."""
+        """Coefficient of M: density relative to its value, or 1 if it is fixed."""
         if self.motion.modal is not None:
             return CONSTANT
         rho = float(self.body.material.rho or 0)
@@ -169,13 +169,13 @@ class BodyTerms:
 
     @property
     def _modal_ratio(self) -> Coefficient:
-        """The ratio of damped modes, or the factor on their ratios."""
+        """Coefficient of modal damping: the ratio, or the factor on the table of ratios."""
         assert self.motion.modal is not None
         field, _ = self.motion.modal.parameter
         return Coefficient({f"{self.path}.damping.modal.{field}": (1.0, 1.0)})
 
     def _of_body(self) -> Iterator[Term]:
-        """K, M and their Rayleigh damping."""
+        """Yield K, M and Rayleigh damping."""
         body, path = self.body, self.path
         pieces: list[tuple[Role, Mat, Coefficient]]
         pieces = [("stiffness", body.stiffness(), self._stiffness)]
@@ -189,7 +189,7 @@ class BodyTerms:
                 yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
 
     def _of_springs(self) -> Iterator[Term]:
-        """What is taken back of K where E changes: springs do not grow with it."""
+        """Yield the correction for springs, whose stiffness does not change with E."""
         springs, name = self.body.spring_stiffness(), f"{self.path}.material.E"
         if springs is None or name not in self._stiffness.names:
             return
@@ -201,7 +201,7 @@ class BodyTerms:
             yield Term("damping", matrix, damped)
 
     def _of_constants(self) -> Iterator[Term]:
-        """What K grows by where constants of a solid that has several change."""
+        """Yield the change of K with the constants of a solid that has several."""
         material, path = self.body.material, self.path
         beta, damping = f"{path}.damping.beta", self.motion.damping
 
@@ -221,11 +221,11 @@ class BodyTerms:
                 yield TermOfConstant("damping", make, damped)
 
     def _stiffness_of(self, law: Elasticity) -> Mat:
-        """K of another law."""
+        """Return K of another elastic law."""
         return self.placed(self.body.reduced(self.body.space.stiffness(law)))
 
     def _of_rotation(self, rotation: Rotation) -> Iterator[Term]:
-        """Omega Y and - Omega^2 Z."""
+        """Yield Omega Y and - Omega^2 Z."""
         rate = f"{self.path}.rotation.rate"
         if self.with_mass:
             Y = self.placed(self.body.gyroscopic(rotation))
@@ -235,7 +235,7 @@ class BodyTerms:
             yield Term("stiffness", Z, self._mass.times(rate, 2.0, factor=-1.0))
 
     def _carried(self) -> Iterator[Term | UnformedTerm[Circulatory]]:
-        """What damping that a rotation carries along makes: the sparse piece, and full ones."""
+        """Yield the circulatory terms of damping that rotates: one sparse, the others unformed."""
         rotation, damping = self.motion.rotation, self.motion.damping
         assert rotation is not None
         rate = f"{self.path}.rotation.rate"
@@ -264,7 +264,7 @@ class BodyTerms:
 
     @cached_property
     def _damped_modes(self) -> "DampedModes":
-        """Modes that modal damping damps."""
+        """Modes with modal damping."""
         assert self.motion.modal is not None
         from cea.system.modal_damping import damped_modes
 
@@ -272,29 +272,29 @@ class BodyTerms:
 
 
 class TermOfConstant(Term):
-    """A symmetric piece whose matrix is made when a constant of the material first changes."""
+    """Symmetric term whose matrix is computed when a material constant first changes."""
 
     def __init__(self, role: Role, make: Callable[[], Mat], coefficient: Dependence) -> None:
         vars(self).update(role=role, make=make, coefficient=coefficient)
 
     @cached_property
     def matrix(self) -> Mat:
-        """The piece, PETSc AIJ (n x n)."""
+        """The matrix, PETSc AIJ (n x n)."""
         return vars(self)["make"]()
 
 
 @dataclass(frozen=True, eq=False)
 class Smooth:
-    """A function of parameters that is as smooth in complex ones: a :class:`Dependence`."""
+    """An analytic function of parameters: a :class:`Dependence`."""
 
     names: frozenset[str]  # parameters it depends on
     function: Callable[[Mapping[str, Any]], Any]  # of all parameters by name
 
     def at(self, values: Mapping[str, float]) -> float:
-        """Value at given parameters."""
+        """Return the value at given parameters."""
         return float(self.function(values))
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
-        """Derivative in one parameter, by a complex step: exact to rounding."""
+        """Return the derivative in one parameter by a complex step, exact to rounding."""
         step = 1e-20 * (abs(values[name]) or 1.0)
         return float(self.function({**values, name: values[name] + 1j * step}).imag / step)

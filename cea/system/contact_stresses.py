@@ -1,4 +1,4 @@
-"""Normal stresses of both sides of a contact: over the surfaces, along a line, at given points."""
+"""Normal stresses on both sides of a contact: over the surfaces, along a line, at points."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 
-_TIED = 1e-9  # relative difference of distances that counts as none
+_TIED = 1e-9  # relative difference of distances treated as equal
 
 
 @dataclass(frozen=True)
@@ -25,9 +25,9 @@ class NormalStress:
     min: float
     max: float
     arc: Floats  # distances (m) along the diagonal of side a from its first corner, shape (m,)
-    # normal stress on that line (N/m^2), shape (m,); NaN where the line leaves the surface
+    # normal stress on that line (N/m^2), shape (m,); NaN outside the surface
     sigma_n_along: Floats
-    # sample points over the whole surface (m), shape (n, dim); none of a stored result
+    # sample points over the whole surface (m), shape (n, dim); empty in a stored result
     x: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     # normal stress there (N/m^2), shape (n,)
     sigma_n: Floats = field(default_factory=lambda: np.zeros(0))
@@ -41,7 +41,7 @@ class NormalStress:
 def contact_stresses(
     system: CoupledSystem, contact_name: str, x: Any, samples: int
 ) -> dict[str, NormalStress]:
-    """Stresses of sides "a" and "b" of a contact, at so many points across and along a line."""
+    """Return the stresses of sides "a" and "b", sampled over the surfaces and along a line."""
     contact = _contact(system, contact_name)
     line, arc, direction = _diagonal(contact, 2 * samples - 1)
     stresses = {}
@@ -57,9 +57,9 @@ def contact_stresses(
 def stresses_at(
     system: CoupledSystem, contact_name: str, x: Any, points: Floats
 ) -> dict[str, Floats]:
-    """Stresses of sides "a" and "b" where points (m) lie on them along the mean normal of a.
+    """Return the stresses of sides "a" and "b" at points (m) along the mean normal of a.
 
-    Shape (n,) each, NaN beside a side.
+    Shape (n,) each, NaN for points outside a side.
     """
     contact = _contact(system, contact_name)
     direction = np.broadcast_to(_corners(contact)[1], points.shape)
@@ -72,7 +72,7 @@ def stresses_at(
 def pressure_along(
     system: CoupledSystem, contact_name: str, x: Any, stiffness: float, samples: int
 ) -> Floats:
-    """Pressure p g (N/m^2) along the line of :func:`contact_stresses`, positive in compression."""
+    """Return the pressure p g (N/m^2), positive in compression, on the line of contact_stresses."""
     contact = _contact(system, contact_name)
     line, _, direction = _diagonal(contact, 2 * samples - 1)
     gap = np.zeros(len(line))
@@ -88,7 +88,7 @@ def pressure_along(
 def normal_stress(
     surface: Surface, at: SurfaceCoordinates, displacement: Floats, material: Material
 ) -> Floats:
-    """Stress n.sigma.n (N/m^2) with n the outward normal, shape (n,); tension is positive."""
+    """Return n.sigma.n (N/m^2) with the outward normal n, shape (n,); tension is positive."""
     normal = surface.normal(at)
     u = displacement.reshape(-1, surface.dim)
     gradient = np.stack([derivative @ u for derivative in surface.gradient(at)], axis=2)
@@ -103,7 +103,7 @@ def _contact(system: CoupledSystem, name: str) -> Contact:
 def _sides(
     system: CoupledSystem, contact: Contact, x: Any
 ) -> Iterator[tuple[str, Surface, Body, Floats]]:
-    """Name, surface, body and full displacement of both sides."""
+    """Yield name, surface, body and full displacement of both sides."""
     for side, name, surface in (
         ("a", contact.a, contact.interface.a),
         ("b", contact.b, contact.interface.b),
@@ -114,7 +114,7 @@ def _sides(
 def _stress_at(
     surface: Surface, body: Body, displacement: Floats, x: Floats, direction: Floats
 ) -> Floats:
-    """Normal stress where points lie on a surface along given directions, NaN where they do not."""
+    """Return the normal stress at points located on a surface, NaN at missed points."""
     found = surface.locate(x, direction, reach=surface.mesh_size)
     stress = np.full(len(x), np.nan)
     hit = ~found.missed
@@ -123,14 +123,14 @@ def _stress_at(
 
 
 def _corners(contact: Contact) -> tuple[Floats, Floats]:
-    """Corners (m) of the elements of side a, shape (n, dim), and its mean unit normal."""
+    """Return the element corners (m) of side a, shape (n, dim), and its mean unit normal."""
     points = contact.interface.a.grid(2)
     normal = points.normal.mean(axis=0)
     return points.x, normal / np.linalg.norm(normal)
 
 
 def _diagonal(contact: Contact, samples: int) -> tuple[Floats, Floats, Floats]:
-    """Line between corners of side a farthest apart, its arc length and the normals to search."""
+    """Return a line between the farthest corners of side a, its arc length, and the normals."""
     corners, normal = _corners(contact)
     first = _farthest(corners, corners.mean(axis=0))
     last = _farthest(corners, first)
@@ -140,7 +140,7 @@ def _diagonal(contact: Contact, samples: int) -> tuple[Floats, Floats, Floats]:
 
 
 def _farthest(x: Floats, origin: Floats) -> Floats:
-    """Point farthest from an origin; of equally far ones, that of the least coordinates."""
+    """Return the point farthest from an origin; of equal ones the least in coordinates."""
     distance = np.linalg.norm(x - origin, axis=1)
     tied = x[distance >= (1 - _TIED) * distance.max()]
     rounded = np.round((tied - origin) / (distance.max() or 1.0), 6)

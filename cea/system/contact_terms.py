@@ -1,23 +1,23 @@
-"""What contacts bring to a pencil: the form each takes, pieces and parameters, halves together.
+"""Terms of the pencil from contacts: the form of each, its matrices and parameters.
 
-K_n added to K costs the digits by which it is larger: rounding of the sum, eps times the larger,
-stands beside the smaller. In the saddle form, and where gaps are projected, nothing is added.
+Adding K_n to K loses the digits by which K_n is larger: the rounding error is eps times the larger
+matrix. The saddle form, and projected gaps, add nothing to K.
 
-What friction at a sliding speed makes of small velocities: damping, of either sign.
+At a sliding speed friction adds damping of either sign.
 
-The traction of friction on side a is mu(v) sigma k, with the contact pressure sigma, the speed v of
-steady sliding and k against the velocity of a relative to b. A small velocity changes speed and
-direction of sliding, and with T_k and T_t, which take dofs to slips along k and along the tangent
-t = n x k across it (in space only), the force - C dx/dt on the bodies has
+The friction traction on side a is mu(v) sigma k, with the contact pressure sigma, the speed v of
+steady sliding and k opposite to the velocity of a relative to b. A small velocity changes speed and
+direction of sliding. With T_k and T_t, which map dofs to slips along k and along the tangent
+t = n x k normal to it (in 3D only), the force - C dx/dt on the bodies has
 
     C = T_t^T diag(w mu sigma / v) T_t  +  T_k^T diag(w sigma mu'(v)) T_k
 
-The first part, of the turning direction, always damps; the second one feeds energy in where
-friction falls with the speed, mu' < 0 (Herve, Sinou, Mahe and Jezequel, European Journal of
-Mechanics A/Solids 27, 2008, 141-160).
+The first part, due to the turning direction, always damps; the second adds energy where friction
+decreases with speed, mu' < 0 (Herve, Sinou, Mahe and Jezequel, European Journal of Mechanics
+A/Solids 27, 2008, 141-160).
 
-By the path of the contact in a scene, ``contacts.<name>``, the parameters of these pieces are
-``.sliding.speed``, ``.sliding.mu_slope`` and ``.sliding.pressure``, factors where they vary.
+With the path of the contact in a scene, ``contacts.<name>``, the parameters are
+``.sliding.speed``, ``.sliding.mu_slope`` and ``.sliding.pressure``, or factors if they vary.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -38,17 +38,17 @@ from cea.matrices import applied, destroy, diagonal_of, product, squared, symmet
 from cea.petsc import MPI, PETSc
 
 MOST_DIGITS = 6.0
-"""Digits that the penalty form may cost."""
+"""Number of lost digits above which the saddle form is chosen."""
 _KINDS: dict[str, tuple[str, float, dict[str, Any]]] = {
     "speed": ("m/s", -1.0, {"positive": True}),
     "mu_slope": ("s/m", 1.0, {"signed": True}),
     "pressure": ("N/m^2", 1.0, {}),
 }
-"""Unit of each parameter of sliding, the power of it by which damping grows, what it may be."""
+"""Unit of each sliding parameter, its exponent in the damping, and its allowed values."""
 
 
 def contact_terms(contacts: Sequence[Contact], *, eliminate: bool) -> Iterator[Term]:
-    """K_n and K_f of half passes whose forces are eliminated: of all, or where they are anyway."""
+    """Yield K_n and K_f of half passes in penalty form, or of all if ``eliminate``."""
     for halves in by_pair(contacts).values():
         P, mu = powers_of(halves)
         for half in halves:
@@ -61,7 +61,7 @@ def contact_terms(contacts: Sequence[Contact], *, eliminate: bool) -> Iterator[T
 
 
 def contact_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
-    """P and mu of each contact, where they are parameters."""
+    """Yield the parameters P and mu of each contact."""
     of_friction = []
     for halves in by_pair(contacts).values():
         finite = all(half.form != "saddle" for half in halves)
@@ -77,10 +77,10 @@ def contact_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
 def penalty_digits(
     bodies: Mapping[str, Body], contacts: Sequence[Contact], values: Mapping[str, float]
 ) -> dict[str, float]:
-    """Digits that the penalty form costs at some P and E, by contact; none of projected gaps.
+    """Return the digits that the penalty form loses, by contact, at given values of P and E.
 
-    log10 of the largest diagonal entry of K_n relative to that of K, given by the rows of this
-    rank; infinite where sides are tied.
+    They are log10 of the largest ratio of diagonal entries of K_n and K; zero for projected gaps,
+    infinite for tied sides.
     """
     stiffness, digits = stiffness_diagonal(bodies, values), {}
     for name, halves in by_pair(contacts).items():
@@ -96,7 +96,7 @@ def penalty_digits(
 
 
 def _stiffness_ratio(contact: Contact, stiffness: Floats) -> float:
-    """Largest entry of the diagonal of K_n relative to that of K, where it is known and added."""
+    """Return the largest ratio of the diagonals of K_n and K; tiny if K_n is not added."""
     least = float(np.finfo(float).tiny)
     if contact.awaits_state or (contact.is_projected and contact.law.linear):
         return least
@@ -110,7 +110,7 @@ def _stiffness_ratio(contact: Contact, stiffness: Floats) -> float:
 
 
 def stiffness_diagonal(bodies: Mapping[str, Body], values: Mapping[str, float]) -> Floats:
-    """Diagonal of K of all bodies at some E (N/m), the rows of this rank; springs have none."""
+    """Return the diagonal of K of all bodies (N/m), this rank's rows; E does not scale springs."""
     parts = []
     for name, body in bodies.items():
         E = body.material.means[0]
@@ -122,15 +122,15 @@ def stiffness_diagonal(bodies: Mapping[str, Body], values: Mapping[str, float]) 
 
 
 def form_for(digits: float) -> Form:
-    """The form that a contact takes where it is left open, by the digits a penalty would cost."""
+    """Return the default form of a contact for the digits that a penalty would lose."""
     return "saddle" if digits > MOST_DIGITS else "penalty"
 
 
 def with_forms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> tuple[Contact, ...]:
-    """Contacts whose forms are all chosen.
+    """Return contacts with their forms chosen.
 
-    Lumped ones have no other than the penalty. Where the stiffness of a contact is not known before
-    a state of steady sliding is, the form stays open.
+    Lumped contact is always in penalty form. The form stays open if the stiffness depends on a
+    steady sliding state that is not yet known.
     """
     digits, chosen = penalty_digits(bodies, contacts, {}), []
     for contact in contacts:
@@ -144,7 +144,7 @@ def with_forms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> tuple
 def penalty_warnings(
     contacts: Sequence[Contact], digits: Mapping[str, float]
 ) -> tuple[ResultWarning, ...]:
-    """Where the penalty form costs too much, a warning for each contact."""
+    """Return a warning for each contact whose penalty form loses too many digits."""
     costly = {c.pair: digits[c.pair] for c in contacts if not c.has_multipliers}
     return tuple(
         ResultWarning(
@@ -159,7 +159,7 @@ def penalty_warnings(
 
 
 def sliding_terms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> Iterator[Term]:
-    """Damping of the half passes that slide; the halves of a full pass share the pressure."""
+    """Yield the damping of sliding half passes; both halves of a contact share the pressure."""
     for name, halves in by_pair(contacts).items():
         references, (_, mu) = _references(halves), powers_of(halves)
         for half in halves:
@@ -174,7 +174,7 @@ def sliding_terms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> It
 
 
 def sliding_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
-    """Parameters of contacts that slide; what is zero everywhere is none."""
+    """Yield the parameters of sliding contacts, except those that are zero everywhere."""
     for name, halves in by_pair(contacts).items():
         for kind, reference in _references(halves).items():
             unit, _, may = _KINDS[kind]
@@ -183,7 +183,7 @@ def sliding_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
 
 
 def _references(halves: Sequence[Contact]) -> dict[str, float]:
-    """What each field of the sliding is relative to; 1 where it varies or the halves differ."""
+    """Return the reference value of each sliding field; 1 if it varies or the halves differ."""
     references = {}
     for name in _KINDS:
         some = [half.sliding for half in halves if name != "speed" or half.slip is not None]
@@ -197,7 +197,7 @@ def _references(halves: Sequence[Contact]) -> dict[str, float]:
 def _damping(
     bodies: Mapping[str, Body], contact: Contact, share: float
 ) -> Iterator[tuple[str, Any]]:
-    """C of the turning direction, kind "speed", and of the slope of friction, PETSc AIJ (N s/m)."""
+    """Yield C of the turning direction ("speed") and of mu' ("mu_slope"), PETSc AIJ (N s/m)."""
     sliding, interface = contact.sliding, contact.interface
     assert sliding is not None
     points, rows, k = interface.local_points, interface.rows, contact.friction_direction()

@@ -1,4 +1,4 @@
-"""Coupled matrices of bodies in frictional contact, kept apart until a solver sums them.
+"""Coupled matrices of bodies in frictional contact, as separate terms of a pencil.
 
     (lambda^2 M + lambda (C + Y) + K + K_n - K_f) x = 0
 
@@ -45,14 +45,14 @@ class CoupledSystem:
     # contacts with their operators, the half passes one after another
     contacts: tuple[Contact, ...]
     template: Any  # PETSc vector of the layout of the unknowns
-    load: Any | None  # forces (N), PETSc vector, None where none were asked for
-    # pieces of a pencil that each body brings, with its damping and rotation
+    load: Any | None  # forces (N), PETSc vector, or None if not requested
+    # terms of the pencil from each body, with its damping and rotation
     pieces: Mapping[str, BodyTerms]
-    with_mass: bool  # whether bodies have mass, and velocities count
-    # the state of steady sliding that contacts were linearised about; None where none was sought
+    with_mass: bool  # whether the pencil has mass and damping
+    # steady sliding state of the linearisation, or None
     steady: "SteadySliding | None" = None
-    # geometric stiffness of the stresses of that state by body, PETSc AIJ (N/m); empty where it
-    # was not asked for
+    # geometric stiffness of the stresses of that state by body, PETSc AIJ (N/m); empty if not
+    # requested
     prestress: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -62,43 +62,40 @@ class CoupledSystem:
 
     @property
     def softens(self) -> bool:
-        """Whether a rotation softens a body that is at rest in space."""
+        """Whether any body has convective stiffness, which reduces its stiffness."""
         rotations = (each.motion.rotation for each in self.pieces.values())
         return any(each is not None and each.convective_stiffness for each in rotations)
 
     def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
-        """What forms of contacts cost where some parameters of the pencil have other values.
-
-        Of kind ``penalty-rounding``.
-        """
+        """Return warnings of kind ``penalty-rounding`` for other values of some parameters."""
         digits = penalty_digits(self.bodies, self.contacts, values)
         return penalty_warnings(self.contacts, digits)
 
     def keeps_form(self, contact: str, values: Mapping[str, float]) -> bool:
-        """Whether a contact would take the form it has if some parameters had other values."""
+        """Return whether a contact would have the same form for other parameter values."""
         halves = by_pair(self.contacts)[contact]
         form = form_for(penalty_digits(self.bodies, halves, values)[contact])
         return all(half.lumped is not None or half.form == form for half in halves)
 
     def vector(self) -> Any:
-        """A new PETSc vector of unknowns, all zero."""
+        """Return a new zero PETSc vector of unknowns."""
         vector = self.template.duplicate()
         vector.set(0.0)
         return vector
 
     def pencil(self, *, eliminate: bool = False) -> Pencil:
-        """The parametric pencil of the system, whose matrices are its pieces.
+        """Return the parametric pencil of the system.
 
-        Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
-        ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
-        where it varies. Without friction, if that was left out, there is no mu. Where p is the
-        slope of a law in a state of steady sliding there is no P, and the state stays. Damping,
-        rotation and sliding add theirs.
+        Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and for each contact
+        ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor if mu
+        varies. There is no mu if friction was left out, and no P if p is the slope of a law in a
+        steady sliding state, which stays fixed. Damping, rotation and sliding add further
+        parameters.
 
         Parameters
         ----------
         eliminate
-            Whether all contact forces are eliminated; no contact is tied.
+            Whether to eliminate all contact forces; requires that no contact is tied.
         """
         pieces = [piece for each in self.pieces.values() for piece in each.pieces]
         terms = [piece for piece in pieces if isinstance(piece, Term)]
@@ -122,7 +119,7 @@ class CoupledSystem:
     def linearised(
         self, steady: "SteadySliding", *, geometric_stiffness: bool = False
     ) -> "CoupledSystem":
-        """The system of small motions about a state of steady sliding."""
+        """Return the system of small motions about a steady sliding state."""
         contacts = []
         for contact in self.contacts:
             state = steady.contacts.get(contact.name)
@@ -136,7 +133,7 @@ class CoupledSystem:
         return replace(self, contacts=formed, steady=steady, prestress=prestress)
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
-        """Full displacement (m) of a body with what supports prescribe, (dim * scalar dofs,)."""
+        """Return the full displacement (m) of a body, prescribed parts included, (dim * dofs,)."""
         own = self.bodies[body]
         full = applied(own.expansion, x.array_r[self.pieces[body].rows])
         if own.prescribed is not None:
@@ -154,13 +151,12 @@ def couple(
     leave_out: bool = True,
     motions: Mapping[str, Motion] | None = None,
 ) -> CoupledSystem:
-    """Assemble the coupled matrices of bodies and contacts, the half passes one after another.
+    """Assemble the coupled matrices of bodies and contacts, given as half passes.
 
-    Mass and loads are made where they are needed; slip operators and K_f may be left out where
-    mu = 0. Motions are damping and rotation of bodies that have any, by name: without mass they act
-    on displacements at rest in space alone.
+    ``leave_out`` omits slip operators and K_f where mu = 0. ``motions`` are damping and rotation by
+    body; without mass only their terms for displacements at rest in space remain.
     """
-    PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
+    PETSc.garbage_cleanup()  # frees objects of earlier systems, which is collective
     sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
     template = PETSc.Vec().create(next(iter(bodies.values())).expansion.comm)
     template.setSizes((sum(local for local, _ in sizes), PETSc.DETERMINE))
@@ -185,7 +181,7 @@ def couple(
 
 
 def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any) -> Any:
-    """Forces (N) of loads and of displacements that supports prescribe, PETSc vector."""
+    """Return the forces (N) of loads and prescribed displacements, PETSc vector."""
     load = template.duplicate()
     load.array[:] = np.concatenate([body.load().array_r for body in bodies.values()])
     for contact in contacts:
@@ -193,8 +189,8 @@ def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any
             continue
         if contact.coupling != "pointwise" or not contact.has_pressure:
             allowed = (
-                "pointwise and of finite stiffness where a support that prescribes a displacement "
-                "meets a side; or c_n, a law of the gap"
+                "pointwise and of finite stiffness if a support prescribes a displacement of a "
+                "side; or a law with c_n"
             )
             raise InputError(f"contacts.{contact.pair}.formulation", contact.coupling, allowed)
         load.array[:] -= contact.force(contact.slope * contact.prescribed)

@@ -1,4 +1,4 @@
-"""Elastic modes of a body alone that modal damping damps, and by how much."""
+"""Elastic modes of an uncoupled body with modal damping, and their damping."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -17,16 +17,16 @@ from cea.matrices import diagonal_of
 from cea.motion import ModalDamping
 from cea.petsc import MPI
 
-_MOST = 2000  # most modes of a body that are damped one by one
-_RIGID = 10.0  # frequency relative to its uncertainty up to which a motion is rigid, or lost
+_MOST = 2000  # largest number of damped modes of a body
+_RIGID = 10.0  # ratio of frequency and uncertainty up to which a mode is rigid, or lost to rounding
 _BELOW = 1e-9
-"""Square of a frequency that no elastic mode need be below, relative to the largest."""
-_BEYOND = 1e-6  # what is searched beyond the last mode asked for, relative to its frequency
+"""Squared frequency, relative to the largest, below which no elastic mode is expected."""
+_BEYOND = 1e-6  # margin of the search above the highest frequency, relative
 
 
 @dataclass(frozen=True)
 class DampedModes:
-    """Modes of a body that are damped: sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
+    """Damped modes of a body: C = sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
 
     # phi with phi^T M phi = 1, and M phi, the rows of this rank, shape (n_local, n)
     vectors: Floats
@@ -35,11 +35,11 @@ class DampedModes:
 
 
 def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
-    """Modes of a body that modal damping damps; rigid motions are none of them."""
+    """Return the modes with modal damping; rigid body modes are excluded."""
     try:
         frequencies, vectors = _elastic_modes(path, body, damping.end)
     except ConvergenceError as error:
-        raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
+        raise ConvergenceError(f"modal damping of {path}: {error}") from error
     factors = damping.factors_at(frequencies)
     damped = factors > 0
     vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
@@ -47,23 +47,23 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
 
 
 def _elastic_modes(path: str, body: Body, end: float) -> tuple[Floats, Floats]:
-    """Every elastic mode of a body up to a frequency (Hz), and perhaps some beyond.
+    """Return all elastic modes of a body up to a frequency (Hz), and perhaps some beyond.
 
-    Rising frequencies (Hz), shape (n,), and vectors phi with phi^T M phi = 1, the rows of this
-    rank.
+    Increasing frequencies (Hz), shape (n,), and vectors phi with phi^T M phi = 1, the rows of
+    this rank.
     """
     with EigenSolver(Pencil.of(body.stiffness(), body.mass())) as solver:
         matrices = solver.matrices()
-        # of the size of the largest kappa (1/s^2)
+        # estimate of the largest kappa (1/s^2)
         ratios = diagonal_of(matrices.stiffness) / diagonal_of(matrices.mass)
         largest = float(body.comm.allreduce(ratios.max(initial=0.0), MPI.MAX))
         least, highest = (float(np.sqrt(part * largest)) / (2 * np.pi) for part in (_BELOW, 1.0))
         end = max((1 + _BEYOND) * end, least)
         modes_below = count_below(matrices, (2 * np.pi * end) ** 2)
         if modes_below > _MOST:
-            allowed = f"at most {_MOST} modes that are damped one by one; Rayleigh damping for more"
+            allowed = f"at most {_MOST} damped modes; use Rayleigh damping for more"
             raise InputError(f"{path}.damping.modal", f"{modes_below} up to {end:g} Hz", allowed)
-        if modes_below == matrices.size:  # an end that is not far beyond all modes
+        if modes_below == matrices.size:  # reduce the end to one just above all modes
             below = partial(count_below, matrices)
             while highest < end and below((2 * np.pi * highest) ** 2) < matrices.size:
                 highest *= 2
@@ -73,7 +73,7 @@ def _elastic_modes(path: str, body: Body, end: float) -> tuple[Floats, Floats]:
     elastic = modes.frequencies > _RIGID * uncertainties
     if lost := int((~elastic & (modes.frequencies > least)).sum()):
         raise ConvergenceError(f"{lost} of {len(modes)} modes are lost to rounding", best=modes)
-    # Rayleigh-Ritz in the space that they span.
+    # Rayleigh-Ritz projection on the computed modes.
     vectors = modes.vectors.real
     form, gram = (
         all_inner(vectors, times(each, vectors), each.comm)

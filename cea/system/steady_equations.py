@@ -1,12 +1,12 @@
-"""Forces on sliding bodies at any state, and the tangent there: what Newton's method works on.
+"""Residual and tangent of steady sliding, for Newton's method.
 
-With K and K_f of what is linear (bodies with all that their rotation makes of displacements at rest
-in space, contacts of known stiffness, their forces f where these are unknowns), the load F and the
-contacts whose pressure obeys a law of their closure,
+With K the stiffness of all linear parts (bodies, their rotation as far as it acts on displacements
+at rest in space, contacts of linear laws with their multipliers f), the load F and the contacts
+with a nonlinear law,
 
     R(x) = K x + L^T f + sum (G - mu T)^T w sigma(g) - t F,     g = G x - g_n
 
-vanishes in steady sliding at the load factor t (Mohanasundaram et al., 2023, eqs. 5 and 16).
+vanishes in steady sliding at load factor t (Mohanasundaram et al., 2023, eqs. 5 and 16).
 """
 
 from collections.abc import Sequence
@@ -29,11 +29,11 @@ from cea.system.coupled import CoupledSystem
 
 OPENS = "the load opens the contact: no point is closed"
 LEFT_OVER = 1e-8
-"""Part of the load up to which forces may be left over, whatever the reason."""
+"""Residual, relative to the load, up to which a state is always accepted."""
 LOST = 0.1
-"""Rounding, relative to the largest displacement, at which a tangent counts as singular."""
+"""Rounding error, relative to the largest displacement, above which a tangent is singular."""
 _OVERLAP = 1e-9
-"""Overlap of the sides, relative to the mesh size, that rounding and facets may make."""
+"""Overlap of the sides, relative to the mesh size, due to rounding and faceting."""
 
 type Slopes = Sequence[Floats]
 """Slope p at all points (N/m^3) of each contact with a law, shape (n,) each."""
@@ -41,32 +41,32 @@ type Slopes = Sequence[Floats]
 
 @dataclass(frozen=True)
 class State:
-    """A state of the bodies and what it meets."""
+    """Displacements and contact forces, with their closures and residual."""
 
     x: Floats  # displacements, the rows of this rank (m)
-    f: Floats  # contact forces that are unknowns, the rows of this rank (N)
+    f: Floats  # Lagrange multipliers, the rows of this rank (N)
     # closures u_n - g_n at all points of each contact with a law (m), on every rank
     closures: tuple[Floats, ...]
     residual: Floats  # R, the rows of this rank (N)
     norm: float  # its norm over all ranks (N)
-    scale: float  # size of the forces that it is the sum of (N)
-    noise: float  # what rounding of the closures makes of it (N)
+    scale: float  # largest of the norms of its terms (N)
+    noise: float  # its rounding error due to the closures (N)
 
     @property
     def relative(self) -> float:
-        """Residual relative to the forces it is the sum of."""
+        """Residual relative to the largest of its terms."""
         return self.norm / self.scale if self.scale else 0.0
 
     @property
     def closed_points(self) -> int:
-        """Number of points that are closed."""
+        """Number of closed points."""
         return sum(int(np.count_nonzero(closure > 0)) for closure in self.closures)
 
 
 class SteadyEquations:
-    """The equations of steady sliding of a coupled system with loads and a law that is not linear.
+    """Equations of steady sliding of a coupled system with loads and nonlinear contact laws.
 
-    Pressures and slopes of the laws are divided by ``softness``, 1 but on the way to a solution.
+    Pressures and slopes of the laws are divided by ``softness``, a continuation parameter, else 1.
     """
 
     def __init__(self, system: CoupledSystem) -> None:
@@ -74,7 +74,7 @@ class SteadyEquations:
         self.system, self._load, self.softness = system, system.load, 1.0
         self.comm = system.template.comm.tompi4py()
         self.contacts = tuple(c for c in system.contacts if not c.law.linear)
-        # The pencil at rest without contacts that have a law.
+        # The pencil at rest without nonlinear contacts.
         linear = tuple(replace(c, sliding=None) for c in system.contacts if c.law.linear)
         self.matrices = replace(system, contacts=linear).pencil().at_rest().at()
         self._gaps = [contact.projected_gap(initial_gap(contact)) for contact in self.contacts]
@@ -82,45 +82,45 @@ class SteadyEquations:
             0.0 if contact.prescribed is None else contact.projected_gap(contact.prescribed)
             for contact in self.contacts
         ]
-        self.springs: list[Floats] = []  # slopes at all points of each contact with a law (N/m^3)
+        self.springs: list[Floats] = []  # slopes at all points of each nonlinear contact (N/m^3)
         self._size = system.template.getLocalSize()
 
     @cached_property
     def unstable(self) -> bool:
-        """Whether bodies as they rotate, without these contacts, have an indefinite stiffness.
+        """Whether the rotating bodies have an indefinite stiffness without these contacts.
 
-        There may then be several equilibria without friction, or none.
+        If so, there may be several equilibria without friction, or none.
         """
         return self.system.softens and count_below(self.matrices, 0.0) > 0
 
     @cached_property
     def are_held(self) -> bool:
-        """Whether the bodies are held without the contacts that have a law; collective."""
+        """Whether the bodies have no rigid body mode without nonlinear contacts; collective."""
         load = np.random.default_rng(self.comm.rank).standard_normal(self._size)
         return solved_regularly(self.matrices, load) is not None
 
     def gaps_at(self, factor: float, *, even: bool = False) -> list[Floats]:
-        """Gaps at all points of each contact with a law (m) where free dofs do not move.
+        """Return gaps at all points of each nonlinear contact (m) for fixed free dofs.
 
-        Supports then prescribe a part of their displacements, that of the load. Springs meet gaps
-        as even as the least of them.
+        Prescribed displacements are scaled by the load factor. ``even`` replaces each gap by the
+        smallest one, as for the springs.
         """
         gaps = [np.full(len(gap), gap.min()) for gap in self._gaps] if even else self._gaps
         pairs = zip(gaps, self._prescribed, strict=True)
         return [gap - factor * closed for gap, closed in pairs]
 
     def load_at(self, factor: float) -> Floats:
-        """A part of the load (N), the rows of this rank."""
+        """Return the load at a load factor (N), the rows of this rank."""
         return factor * self._load.array_r
 
     def zero(self) -> tuple[Floats, Floats]:
-        """Displacements and contact forces of bodies at rest."""
+        """Return zero displacements and contact forces."""
         multipliers = self.matrices.multipliers
         forces = 0 if multipliers is None else multipliers.closure.getLocalSize()[0]
         return np.zeros(self._size), np.zeros(forces)
 
     def state(self, x: Floats, f: Floats, factor: float) -> State:
-        """The state of displacements (m) and contact forces (N) under a part of the load."""
+        """Return the state of displacements (m) and contact forces (N) at a load factor."""
         closings, gaps = [each.closing(x) for each in self.contacts], self.gaps_at(factor)
         closures = tuple(u - gap for u, gap in zip(closings, gaps, strict=True))
         rounding = [
@@ -134,28 +134,28 @@ class SteadyEquations:
         return State(x, f, closures, residual, float(norm), float(max(sizes)), float(noise))
 
     def contact_forces(self, closures: Sequence[Floats]) -> Floats:
-        """Forces of the contacts with a law at some closures (N), the rows of this rank."""
+        """Return the forces of nonlinear contacts at closures (N), the rows of this rank."""
         pairs = zip(self.contacts, closures, strict=True)
         return self._forces([each.law.pressure(g) / self.softness for each, g in pairs])
 
     def slopes(self, closures: Sequence[Floats]) -> list[Floats]:
-        """Slopes of the laws at given closures."""
+        """Return the slopes of the laws at given closures."""
         pairs = zip(self.contacts, closures, strict=True)
         return [each.law.slope(g) / self.softness for each, g in pairs]
 
     def _forces(self, pressures: Sequence[Floats], *, friction: bool = True) -> Floats:
-        """Forces of pressures at all points of each contact, the rows of this rank."""
+        """Return the forces of pressures at all points of each contact, the rows of this rank."""
         pairs = zip(self.contacts, pressures, strict=True)
         forces = (contact.force(pressure, friction=friction) for contact, pressure in pairs)
         return sum(forces, np.zeros(self._size))
 
     def norms(self, *vectors: Floats) -> Floats:
-        """Norms over all ranks of vectors given by the rows of this rank."""
+        """Return norms over all ranks of vectors given by the rows of this rank."""
         squares = np.array([float(v @ v) for v in vectors])
         return np.sqrt(self.comm.allreduce(squares, MPI.SUM))
 
     def tangent(self, slopes: Slopes, *, friction: bool = True) -> Matrices:
-        """Derivative of R at given slopes; free it with :func:`free_tangent`."""
+        """Return the derivative of R at given slopes; free it with :func:`free_tangent`."""
         made = [each.tangent(p) for each, p in zip(self.contacts, slopes, strict=True)]
         stiffness = scaled_total([(1.0, self.matrices.stiffness), *((1.0, K_n) for K_n, _ in made)])
         stiffness.setOption(stiffness.Option.SYMMETRIC, True)
@@ -170,9 +170,9 @@ class SteadyEquations:
         return replace(self.matrices, stiffness=stiffness, unsymmetric=unsymmetric)
 
     def take_springs(self, factor: float) -> None:
-        """Take springs at all points: secants of contacts that a part of the load presses evenly.
+        """Set springs at all points, with the secant stiffness at the mean pressure of a load.
 
-        They push and pull, and are at rest where the least initial gap is closed.
+        They act in tension too, and are stress-free where the smallest initial gap is closed.
         """
         self.springs, force = [], factor * float(self._load.norm(1))
         for contact, gap in zip(self.contacts, self._gaps, strict=True):
@@ -187,19 +187,19 @@ class SteadyEquations:
             self.springs.append(np.full(len(gap), law.pressure(closure) / closure))
 
     def spring_forces(self, factor: float) -> Floats:
-        """Forces (N) of the springs on bodies that do not move, the rows of this rank."""
+        """Return the forces (N) of the springs at zero displacement, the rows of this rank."""
         pairs = zip(self.springs, self.gaps_at(factor, even=True), strict=True)
         return self._forces([p * rest for p, rest in pairs], friction=False)
 
     def spring_resultant(self, x: Floats, factor: float) -> float:
-        """Sum of the normal forces (N) of the springs in a state, positive where they push."""
+        """Return the sum of the normal forces (N) of the springs, positive in compression."""
         gaps, total = self.gaps_at(factor, even=True), 0.0
         for contact, p, gap in zip(self.contacts, self.springs, gaps, strict=True):
             total += float(contact.interface.points.weight @ (p * (contact.closing(x) - gap)))
         return total
 
     def checked_residual(self, state: State, tangent: Matrices) -> float:
-        """Forces left over in a state under the whole load, relative to the load; collective."""
+        """Return the residual at full load relative to the load; raise if too large; collective."""
         contact, load = self.contact_forces(state.closures), self.load_at(1.0)
         norm, of_load, of_contact = self.norms(state.residual, load, contact)
         size = of_load or of_contact or 1.0
@@ -210,43 +210,43 @@ class SteadyEquations:
             sizes.free()
             if norm > rounding:
                 raise ConvergenceError(
-                    f"the state of steady sliding is no equilibrium: {norm / size:.1e} of the load "
-                    f"is left over, where rounding comes to {rounding / size:.1e}",
+                    "the state of steady sliding is not in equilibrium: the residual is "
+                    f"{norm / size:.1e} of the load, its rounding error {rounding / size:.1e}",
                     best=state,
                 )
         return float(norm / size)
 
     def vector(self, x: Floats) -> Vec:
-        """Displacements as a new PETSc vector."""
+        """Return displacements as a new PETSc vector."""
         vector = self.system.vector()
         vector.array[:] = x
         return vector
 
     def free(self) -> None:
-        """Free what was made for the equations."""
+        """Free the matrices of the equations."""
         release(self.matrices)
 
 
 def free_tangent(tangent: Matrices) -> None:
-    """Free a tangent, not the multipliers it shares."""
+    """Free a tangent, except the multipliers that it shares."""
     destroy(*(m for m in (tangent.stiffness, tangent.unsymmetric) if m))
 
 
 def initial_gap(contact: Contact) -> Floats:
-    """Initial gap g_n at all points (m), of the geometry with what is added to it, shape (n,)."""
+    """Return the initial gap g_n at all points (m), including the added gap, shape (n,)."""
     interface = contact.interface
     distance = np.concatenate(interface.comm.allgather(interface.initial_gap))
     return distance + contact.added_gap
 
 
 def solved(factors: Shifted, b: Floats) -> tuple[Floats, Floats]:
-    """Displacements and contact forces for forces b (N), the rows of this rank."""
+    """Solve for displacements and contact forces for forces b (N), the rows of this rank."""
     x, f = factors.solve_with_forces(b[:, None])
     return x[:, 0], f[:, 0]
 
 
 def solved_regularly(matrices: Matrices, b: Floats) -> tuple[Floats, Floats] | None:
-    """Displacements and contact forces for forces b (N); None where all of it is rounding."""
+    """Solve for displacements and contact forces; None if the matrix is numerically singular."""
     try:
         factors = Shifted(matrices)
     except ConvergenceError:

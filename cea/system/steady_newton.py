@@ -1,10 +1,11 @@
 """Newton's method for steady sliding, with the consistent unsymmetric tangent.
 
-A step is taken in full where it halves the residual. Otherwise it is shortened until the next
-correction by the same tangent is shorter than it (Deuflhard, Newton Methods for Nonlinear Problems,
-natural monotonicity): unlike the residual that does not care how stiff each part is. Where no step
-of the tangent helps, as where open points leave the bodies free, slopes of a part of those of a
-closed contact are added to it. The active set is that of the closures at each state.
+A full step is accepted if it halves the residual. Otherwise it is damped until the simplified
+Newton step at the new state is shorter than the step (Deuflhard, Newton Methods for Nonlinear
+Problems, natural monotonicity): unlike the residual this does not depend on the scaling of the
+equations. If no step with the tangent is accepted, for instance because open points leave rigid
+body modes, a multiple of the slopes of a closed contact is added to it. The active set follows the
+closures of each state.
 """
 
 from dataclasses import dataclass
@@ -19,46 +20,46 @@ from cea.system.steady_state import LoadStep, parity_of
 from cea.timing import StageTimer
 
 _MOST = 60  # steps
-_PATIENCE = 16  # steps in which the residual is halved at least
-_SOLVED = 1e-14  # residual, relative to the forces, at which there is nothing left to gain
+_PATIENCE = 16  # number of steps in which the residual must be halved at least once
+_SOLVED = 1e-14  # relative residual below which the iteration ends
 _ROUNDING = 1e-7
-"""Residual, relative to the forces, from which what does not get smaller may be rounding."""
-_NOISE = 10.0  # the same in parts of what rounding of the closures makes of it
-_STALLS = 0.3  # ratio of residuals that is no convergence of Newton's method
-_SHORTEST = 2.0**-12  # shortest part of a step
+"""Relative residual below which stagnation may be due to rounding."""
+_NOISE = 10.0  # the same relative to the rounding error due to the closures
+_STALLS = 0.3  # ratio of successive residuals above which Newton's method stagnates
+_SHORTEST = 2.0**-12  # smallest damping factor
 _HELP = (0.0, 1e-3, 1e-1, 1.0, 10.0)
-"""Parts of the slopes of a closed contact that are added, in turn, where no step helps."""
+"""Multiples of the slopes of a closed contact that are tried in turn if no step is accepted."""
 
 
 @dataclass
 class Iteration:
-    """How Newton's method went."""
+    """History and result of Newton's method."""
 
-    step: LoadStep  # the states and steps it took
+    step: LoadStep  # residuals and step lengths
     state: State  # the last state
-    converged: bool = False  # whether the residual is as small as rounding lets it be
+    converged: bool = False  # whether the residual is at the level of rounding
 
     def note(self, state: State) -> None:
-        """Go on to the next state."""
+        """Record the next state."""
         self.state = state
         self.step.residuals.append(state.relative)
         self.step.closed.append(state.closed_points)
 
     @property
     def stagnates(self) -> bool:
-        """Whether the residual has not been halved for many steps."""
+        """Whether the residual has not been halved in the last steps."""
         early, late = self.step.residuals[:-_PATIENCE], self.step.residuals[-_PATIENCE:]
         return bool(early) and min(late) > 0.5 * min(early)
 
 
 class SteadyNewton:
-    """Newton's method on the equations, with the help of their springs."""
+    """Newton's method for steady sliding, regularised by springs."""
 
     def __init__(self, equations: SteadyEquations, timer: StageTimer) -> None:
         self._equations, self._timer = equations, timer
 
     def solve(self, x: Floats, f: Floats, factor: float) -> Iteration:
-        """Solve from displacements and contact forces under a part of the load."""
+        """Solve at a load factor from initial displacements and contact forces."""
         state = self._equations.state(x, f, factor)
         run = Iteration(LoadStep(factor), state)
         run.note(state)
@@ -83,7 +84,7 @@ class SteadyNewton:
         return run
 
     def _step(self, state: State, factor: float, run: Iteration) -> tuple[State, float] | None:
-        """The next state and the part of the step that was taken; None where none helps."""
+        """Return the next state and the damping factor; None if no step is accepted."""
         run.step.parity, slopes = None, self._equations.slopes(state.closures)
         for part in _HELP:
             pairs = zip(slopes, self._equations.springs, strict=True)
@@ -109,7 +110,7 @@ class SteadyNewton:
     def _searched(
         self, factors: Shifted, state: State, factor: float
     ) -> tuple[State, float] | None:
-        """The longest part of a step that makes things better."""
+        """Return the state and damping factor of the longest accepted step, or None."""
         dx, df = solved(factors, -state.residual)
         (size,) = self._equations.norms(dx)
         if not np.isfinite(size):
@@ -136,5 +137,5 @@ class SteadyNewton:
 
 
 def _is_small(state: State) -> bool:
-    """Whether what is left may be rounding."""
+    """Return whether the residual may be rounding."""
     return state.norm <= max(_ROUNDING * state.scale, _NOISE * state.noise)

@@ -1,8 +1,8 @@
-"""Steady sliding: the equilibrium of bodies pressed together whose contacts slide.
+"""Steady sliding: the equilibrium of bodies in sliding contact, by load steps.
 
-Contacts whose pressure obeys a law of their closure, -sigma_n = c_n (u_n - g_n)_+^m_n, with Coulomb
-friction along a known direction (Mohanasundaram et al., 2023, eqs. 5, 8 and 16). Small motions
-about the state meet the contact stiffness p = m_n c_n (u_n - g_n)_+^(m_n - 1).
+Contacts obey -sigma_n = c_n (u_n - g_n)_+^m_n with Coulomb friction along a known direction
+(Mohanasundaram et al., 2023, eqs. 5, 8 and 16). The contact stiffness of small motions about the
+state is p = m_n c_n (u_n - g_n)_+^(m_n - 1).
 """
 
 from collections.abc import Sequence
@@ -32,17 +32,17 @@ from cea.system.steady_state import (
 )
 from cea.timing import StageTimer
 
-_SHORTEST = 1 / 64  # least part of a step that was asked for to which it is cut
-_FIRST = 1 / 2  # the same before any equilibrium was found
-_GROWS = 2.0  # by how much a step is longer than the one before
+_SHORTEST = 1 / 64  # smallest substep, relative to the given load step
+_FIRST = 1 / 2  # the same before the first equilibrium
+_GROWS = 2.0  # growth factor of substeps
 _SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
-"""By what laws are divided in turn where the law itself does not converge."""
-_TOGETHER = 1e-9  # parts of the load, in those of a step, that are taken with the step
+"""Factors by which laws are divided in turn if the law itself does not converge."""
+_TOGETHER = 1e-9  # remaining load, relative to a step, that is added to the last substep
 _FREE = (
-    "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
-    "bodies"
+    "a rigid body mode is free: supports, and contacts with all points closed, do not constrain "
+    "the bodies"
 )
-_LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent is singular"
+_LEAVE_FREE = "the closed points leave a rigid body mode free: the tangent is singular"
 
 
 def steady_sliding(
@@ -52,16 +52,16 @@ def steady_sliding(
     steps: int | Sequence[float] = 1,
     history: bool = False,
 ) -> SteadySliding:
-    """Equilibrium of steady sliding of a system with loads, a contact of which has a law.
+    """Return the steady sliding state of a system with loads and a nonlinear contact law.
 
-    The load is put on in so many equal steps, or to rising parts of it at the end of each, the last
-    of them 1; steps are cut where no equilibrium is found. With a history the equilibrium at each
-    of them is kept. A ConvergenceError with the last state tells when the load opens the contact, a
-    rigid motion is free, or no equilibrium is found.
+    The load is applied in ``steps`` equal steps, or up to increasing fractions of it, the last of
+    them 1; steps without equilibrium are divided. ``history`` stores the equilibrium of every step.
+    Raise ConvergenceError, with the last state, if the load opens the contact, a rigid body mode is
+    free, or no equilibrium is found.
     """
-    require(system.load is not None, "load", None, "forces: the system was coupled without")
+    require(system.load is not None, "load", None, "loads: the system was coupled without any")
     linear = all(contact.law.linear for contact in system.contacts)
-    require(not linear, "contacts", list(system.bodies), "one with a law of its closure")
+    require(not linear, "contacts", list(system.bodies), "at least one with a nonlinear law")
     if isinstance(steps, int):
         steps = tuple(number / steps for number in range(1, steps + 1))
     equations = SteadyEquations(system)
@@ -72,7 +72,7 @@ def steady_sliding(
 
 
 class _Path:
-    """The way from no load to the whole of it, in steps to given parts."""
+    """Load path from zero to the full load."""
 
     def __init__(self, equations: SteadyEquations, timer: StageTimer, history: bool) -> None:
         self._equations, self._timer, self._history = equations, timer, history
@@ -80,7 +80,7 @@ class _Path:
         self._starts: dict[float, tuple[Floats, Floats]] = {}
 
     def solve(self, targets: Sequence[float]) -> SteadySliding:
-        """Put the load on in steps from target to target, or in more where it takes them."""
+        """Apply the load in steps between targets, divided where necessary."""
         first = targets[1]
         self._equations.take_springs(first)
         if self._pulls(first) and not self._equations.are_held:
@@ -97,7 +97,7 @@ class _Path:
         return self._result(state, path)
 
     def _step(self, state: State | None, begin: float, end: float, path: list[LoadStep]) -> State:
-        """One of the steps that were asked for, cut where no equilibrium is found."""
+        """Solve one given load step, divided if no equilibrium is found."""
         whole = part = end - begin
         done = begin
         while state is None or done < end:
@@ -118,7 +118,7 @@ class _Path:
         return state
 
     def _at(self, state: State | None, factor: float) -> Iteration:
-        """Equilibrium under a part of the load, from that under a smaller one or from none."""
+        """Solve at a load factor from the previous equilibrium, or else from the springs."""
         if state is not None:
             run = self._newton.solve(state.x, state.f, factor)
             if run.converged:
@@ -129,7 +129,7 @@ class _Path:
         return self._stiffened(factor)
 
     def _stiffened(self, factor: float) -> Iteration:
-        """Equilibrium under a part of the load by way of softer laws, each from the one before."""
+        """Solve at a load factor by continuation from softer laws."""
         x, f = self._start(factor)
         found = False
         for softness in _SOFTNESSES:
@@ -143,9 +143,9 @@ class _Path:
         return run
 
     def _start(self, factor: float) -> tuple[Floats, Floats]:
-        """Displacements where springs at all points hold the sides together where they are nearest.
+        """Return the initial displacements and forces, with springs at all points.
 
-        Springs push and pull: the state is that of a contact that is closed everywhere.
+        Springs act in tension too: the contact is closed everywhere.
         """
         if factor not in self._starts:
             equations = self._equations
@@ -196,12 +196,12 @@ class _Path:
         }
 
     def _reason(self, run: Iteration, factor: float) -> str:
-        """Why there is no equilibrium."""
+        """Return the reason why no equilibrium was found."""
         if self._equations.unstable:
             return (
                 f"no state of steady sliding was found at {factor:.3g} of the load: bodies rotate "
                 "beyond a critical rate, at which their convective stiffness exceeds their own; "
-                "there need not be any"
+                "it may not exist"
             )
         if not run.state.closed_points or self._pulls(factor):
             return OPENS
@@ -211,9 +211,9 @@ class _Path:
         )
 
     def _pulls(self, factor: float) -> bool:
-        """Whether springs that hold the sides together are in tension, taken together.
+        """Return whether the resultant of the springs is tension.
 
-        Where bodies are not stable without contacts that says nothing of other states.
+        This is inconclusive, and False, if bodies are unstable without contacts.
         """
         if self._equations.unstable:
             return False

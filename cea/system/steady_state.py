@@ -1,9 +1,9 @@
-"""States of steady sliding: what contacts carry, how they were found, whether they are alone.
+"""States of steady sliding: contact forces, solution history, uniqueness.
 
-The law of the pressure is monotone: without friction the tangent is symmetric positive definite and
-there is one equilibrium. With friction it may become singular, where branches of equilibria meet,
-and beyond it an odd number of its real eigenvalues is negative: the sign of its determinant tells.
-Where bodies rotate beyond a critical rate, those count that the symmetric part does not have.
+The pressure law is monotone: without friction the tangent is symmetric positive definite and the
+equilibrium is unique. With friction it may become singular, where branches of equilibria meet, and
+beyond it has an odd number of negative real eigenvalues, which the sign of the determinant shows.
+If bodies rotate above a critical rate, only those in excess of its symmetric part count.
 """
 
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ from cea.errors import ResultWarning
 from cea.petsc import Vec
 
 _NEAR = 1e-2
-"""Least eigenvalue, of the tangent relative to its symmetric part, that is not nearly zero."""
+"""Smallest eigenvalue of the tangent, relative to its symmetric part, that is not near zero."""
 _STEPS = 12  # inverse iterations
 
 
@@ -30,22 +30,22 @@ class ContactState:
 
     closure: Floats  # u_n - g_n at all points (m), positive where it is closed, shape (n,)
     pressure: Floats  # -sigma_n there (N/m^2), shape (n,)
-    stiffness: Floats  # p there (N/m^3), that small motions meet, shape (n,)
+    stiffness: Floats  # contact stiffness p there (N/m^3), shape (n,)
     normal_force: float  # integral of the pressure (N)
     friction_force: float  # integral of mu times the pressure (N)
     force_on_a: Floats  # resultant of both on side a (N), shape (dim,)
-    closed_area: float  # area that is closed (m^2)
+    closed_area: float  # closed area (m^2)
     area: float  # area of the contact (m^2)
 
     @property
     def closed_fraction(self) -> float:
-        """Part of the area that is closed."""
+        """Closed fraction of the area."""
         return self.closed_area / self.area
 
 
 @dataclass(frozen=True)
 class StepState:
-    """The equilibrium under a part of the load."""
+    """Equilibrium at a load factor."""
 
     displacement: Vec  # free displacements (m), PETSc vector
     contacts: Mapping[str, ContactState]  # state of each half pass with a law, by its name
@@ -53,34 +53,34 @@ class StepState:
 
 @dataclass
 class LoadStep:
-    """A part of the load, and how Newton's method found the equilibrium there."""
+    """A load step, with the history of Newton's method."""
 
-    factor: float  # the part
-    # residual of each state, relative to the forces it is the sum of
+    factor: float  # load factor
+    # residual of each state, relative to the largest of its terms
     residuals: list[float] = field(default_factory=list)
-    lengths: list[float] = field(default_factory=list)  # part of each step that was taken
-    closed: list[int] = field(default_factory=list)  # points that were closed in each state
+    lengths: list[float] = field(default_factory=list)  # damping factor of each step
+    closed: list[int] = field(default_factory=list)  # number of closed points in each state
     # whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
-    # None where it is symmetric, or that is not known
+    # None if it is symmetric, or unknown
     parity: int | None = None
-    state: StepState | None = None  # the equilibrium; None where the history was not asked for
+    state: StepState | None = None  # the equilibrium; None if the history was not requested
 
 
 @dataclass(frozen=True)
 class Uniqueness:
-    """What the tangent of a state says of others near it."""
+    """Information on other equilibria from the tangent of a state."""
 
     # whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
-    # where that is not known
+    # if unknown
     parity: int | None
-    parities: Mapping[float, int | None]  # the same on the way, by part of the load
+    parities: Mapping[float, int | None]  # the same at each load factor of the path
     # estimate of the least absolute eigenvalue of the tangent relative to its symmetric part: 1
     # without friction, 0 where branches meet
     margin: float
 
     @property
     def lost(self) -> bool:
-        """Whether the determinant has, here or on the way, another sign than without friction."""
+        """Whether the determinant has, at any load factor, another sign than without friction."""
         return 1 in (self.parity, *self.parities.values())
 
     @property
@@ -89,7 +89,7 @@ class Uniqueness:
         return self.margin < _NEAR
 
     def warnings(self) -> tuple[ResultWarning, ...]:
-        """What a reader must know of it."""
+        """Return warnings of lost, or nearly lost, uniqueness."""
         if self.lost:
             kind = "not-unique"
             message = (
@@ -114,24 +114,24 @@ class SteadySliding:
     """A state of steady sliding."""
 
     displacement: Vec  # free displacements (m), PETSc vector
-    forces: Floats  # of contacts of a linear law that are unknowns (N), the rows of this rank
-    uncertainty: float  # what rounding the tangent makes of them, relative to the largest
-    residual: float  # left over by the pencil linearised about it, relative to the load
+    forces: Floats  # Lagrange multipliers of linear contacts (N), the rows of this rank
+    uncertainty: float  # rounding error of displacements, relative to the largest
+    residual: float  # residual, relative to the load
     contacts: Mapping[str, ContactState]  # of each half pass with a law, by its name
-    path: tuple[LoadStep, ...]  # parts of the load on the way
-    # whether another equilibrium may be near; None where the tangent is symmetric
+    path: tuple[LoadStep, ...]  # load steps
+    # uniqueness of the equilibrium; None if the tangent is symmetric
     uniqueness: Uniqueness | None
     # forces (N) of each support on its body, by body, shape (supports, dim)
     reactions: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
     def iterations(self) -> int:
-        """Steps of Newton's method, over all parts of the load."""
+        """Number of Newton steps of all load steps."""
         return sum(len(step.lengths) for step in self.path)
 
 
 def contact_state(contact: Contact, closure: Floats) -> ContactState:
-    """What a half pass carries at closures of all its points (m), shape (n,)."""
+    """Return the contact state of a half pass at closures of all its points (m), shape (n,)."""
     points, friction_law = contact.interface.points, contact.friction
     pressure = contact.law.pressure(closure)
     weighted = points.weight * pressure
@@ -160,7 +160,7 @@ def uniqueness_at(
     *,
     unstable: bool,
 ) -> Uniqueness | None:
-    """What a tangent says of other equilibria; None of a symmetric one."""
+    """Return uniqueness information from a tangent; None if it is symmetric."""
     if tangent.symmetric:
         return None
     parity = parity_of(tangent, factors, unstable=unstable)
@@ -168,9 +168,9 @@ def uniqueness_at(
 
 
 def parity_of(tangent: Matrices, factors: Shifted, *, unstable: bool) -> int | None:
-    """Whether a tangent has an odd (1) or even (0) number of negative real eigenvalues.
+    """Return whether a tangent has an odd (1) or even (0) number of negative real eigenvalues.
 
-    More than its symmetric part has, where that may have some; None where it is not known.
+    If ``unstable``, those of its symmetric part are subtracted; None if unknown.
     """
     parity = factors.parity()
     if parity is None or not unstable:
@@ -179,7 +179,7 @@ def parity_of(tangent: Matrices, factors: Shifted, *, unstable: bool) -> int | N
 
 
 def _margin(tangent: Matrices, factors: Shifted) -> float:
-    """Inverse of the growth of A^-1 S, S the symmetric part of A that contact and bodies make."""
+    """Return the inverse growth rate of A^-1 S, S the symmetric part of A, by power iteration."""
     S, growths = tangent.stiffness, []
     x = np.random.default_rng(S.comm.rank).standard_normal((S.getLocalSize()[0], 1))
     x /= norms(x, S.comm)

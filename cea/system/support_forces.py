@@ -1,19 +1,19 @@
-"""Forces that supports bear, and the equilibrium of every body.
+"""Support reactions, and a check of the equilibrium of every body.
 
     r = K u - F - (forces of the contacts)
 
-over all dofs of a body is what its supports put on it: it is divided among them along the
-directions that each holds (:mod:`cea.supports.constraints`), and nothing may be left over.
+on all dofs of a body is the force of its supports: it is divided among them along the directions
+that each constrains (:mod:`cea.supports.constraints`), and must leave no remainder.
 
-Contacts are assembled on all dofs of the bodies, as if nothing held them. Where their forces are
-unknowns of what was solved they are taken from there, for gaps do not tell those of stiff and tied
-contacts: L^T f, where of points L = Q^T sqrt(W p^) (G - mu T), G and T those of all dofs and Q that
-of the solution (:mod:`cea.contact.saddle`).
+Contacts are assembled on all dofs of the bodies, without supports. Multipliers f are those of the
+solution, since gaps do not determine forces of stiff and tied contacts; their forces are L^T f with
+L = Q^T sqrt(W p^) (G - mu T) for pointwise contact, G and T on all dofs and Q that of the solution
+(:mod:`cea.contact.saddle`).
 
-Of a body that rotates (:mod:`cea.motion`) forces on all dofs are, on the body and from outside,
-Omega^2 Z u of the convective stiffness and - alpha Omega B u of the damping of the mass; elastic
-forces are K (u + beta Omega M^-1 B u), K without springs. What modal damping does at held dofs its
-modes do not tell: M phi and K phi / omega^2 are the same at free dofs alone.
+For a rotating body (:mod:`cea.motion`) the external forces on all dofs include Omega^2 Z u of the
+convective stiffness and - alpha Omega B u of mass damping; elastic forces are
+K (u + beta Omega M^-1 B u), K without springs. Forces of modal damping at constrained dofs are
+unknown: its modes satisfy M phi = K phi / omega^2 at free dofs only.
 """
 
 from collections.abc import Iterator, Mapping
@@ -32,25 +32,24 @@ from cea.matrices import applied, destroy, distributed, local_part, scaled_total
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
-_BALANCED = (
-    1e-8  # forces left over, relative to the largest that acts on a body, that count as none
-)
+_BALANCED = 1e-8
+"""Tolerance of the remainder, relative to the largest force on a body."""
 _ROUNDING = 10.0 * float(np.finfo(float).eps)
-"""The same relative to the sum of products of stiffnesses and displacements."""
+"""The same relative to the sum of stiffnesses times displacements."""
 
 
 def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dict[str, Floats]:
-    """Resultant (N) of the forces of each support on its body; collective.
+    """Return the resultant (N) of each support on its body; collective.
 
-    Of a system with its loads, linearised about its state of steady sliding where it has one, at
-    free displacements x (m), PETSc vector, and contact forces that are unknowns (N), the rows of
-    this rank. By body, shape (supports, dim); bodies without supports are left out, and those that
-    rotate with modal damping. A direction that several supports hold at a dof is shared evenly.
+    The system has loads, and is linearised about its steady sliding state if it has one; ``x`` are
+    free displacements (m), PETSc vector, and ``multipliers`` (N) the rows of this rank. Results are
+    by body, shape (supports, dim), without bodies that have no supports or that rotate with modal
+    damping. Supports that constrain the same direction at a dof share its force equally.
 
     Raises
     ------
     ConvergenceError
-        When the forces on a body are not in equilibrium; the reactions are attached.
+        If the forces on a body are not in equilibrium; ``best`` has the reactions.
     """
     moved = {name: system.displacement(x, name) for name in system.bodies}
     of_contacts, size = contact_forces(system, moved, multipliers)
@@ -62,8 +61,8 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
         if len(supports):
             reactions[name] = supports.sum(axis=1)
         if left > allowed:
-            unbalanced.append(f"{left:.3g} N are left over on {name}, where {allowed:.1g} N may")
-    # Sums of all ranks may differ by rounding from rank to rank.
+            unbalanced.append(f"a residual of {left:.3g} N on {name}, above {allowed:.1g} N")
+    # Sums may differ between ranks by rounding.
     unbalanced = system.template.comm.tompi4py().bcast(unbalanced)
     if unbalanced:
         raise ConvergenceError(f"forces do not balance: {'; '.join(unbalanced)}", best=reactions)
@@ -73,11 +72,11 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
 def _on_body(
     pieces: BodyTerms, x: Any, u: Floats, of_contacts: Floats, size: float
 ) -> tuple[Floats, float, float]:
-    """Forces on a body at displacements x of all free dofs and u of its own, at all its dofs (N).
+    """Return the support forces on a body, the norm of the remainder, and its tolerance (N).
 
-    Those of each support, shape (supports, num_scalar_dofs, dim), the norm of what is left over,
-    and what may be: forces of contacts are small differences of numbers of a size (N), others of
-    what is added to it.
+    ``x`` are the free displacements of all bodies, ``u`` those of all dofs of the body. Support
+    forces have shape (supports, num_scalar_dofs, dim). ``size`` (N) is the sum of stiffnesses times
+    displacements of the contacts, whose rounding limits the remainder.
     """
     body, load, strain = pieces.body, pieces.body.full_load(), pieces.strain(x)
     loads = np.concatenate(body.comm.allgather(load)).reshape(-1, body.dim)
@@ -99,7 +98,7 @@ def _on_body(
 
 
 def _of_space(pieces: BodyTerms) -> Iterator[tuple[float, Any]]:
-    """Forces of displacements at rest in space on a body: factors on matrices."""
+    """Yield factors and matrices of forces of displacements at rest in space on a body."""
     body, rotation, damping = pieces.body, pieces.motion.rotation, pieces.motion.damping
     if (springs := body.full_spring_stiffness()) is not None:
         yield -1.0, springs
@@ -114,7 +113,7 @@ def _of_space(pieces: BodyTerms) -> Iterator[tuple[float, Any]]:
 
 
 def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, float]:
-    """A matrix of all dofs, which is freed, times a displacement u, and the sum of |A| |u|."""
+    """Return A u and the sum of |A| |u| for a matrix A of all dofs, which is destroyed."""
     rows = local_part(matrix)
     destroy(matrix)
     image = np.concatenate(body.comm.allgather(rows @ u))
@@ -125,10 +124,10 @@ def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, float]:
 def contact_forces(
     system: CoupledSystem, moved: Mapping[str, Floats], multipliers: Floats
 ) -> tuple[dict[str, Floats], float]:
-    """Forces (N) of all contacts on each body in equilibrium, on held dofs too; collective.
+    """Return the forces (N) of all contacts on each body, at constrained dofs too; collective.
 
-    By body, on all its dofs, the same on every rank, shape (num_scalar_dofs, dim); and the sum of
-    the stiffnesses times displacements (N) of which they are small differences.
+    Forces are by body, on all its dofs, the same on every rank, shape (num_scalar_dofs, dim). The
+    second result is the sum of stiffnesses times displacements (N), which limits their accuracy.
     """
     bodies = {name: replace(body, supports=()) for name, body in system.bodies.items()}
     whole = {
@@ -177,12 +176,12 @@ def contact_forces(
 
 
 def _difference(one: Any, other: Any | None) -> Any:
-    """A matrix less another, if there is one: a new matrix."""
+    """Return a new matrix, the first minus the second if there is one."""
     return scaled_total([(1.0, one)] if other is None else [(1.0, one), (-1.0, other)])
 
 
 def _size(contact: Contact, moved: Mapping[str, Floats]) -> float:
-    """Stiffness times displacements of both sides, summed over all points (N)."""
+    """Return stiffness times displacements of both sides, summed over all points (N)."""
     interface = contact.interface
     lengths = np.zeros(len(interface.local_points))
     sides = ((contact.a, interface.trace_a), (contact.b, interface.trace_b))

@@ -216,7 +216,7 @@ def test_a_bonded_joint_closes_no_gap_under_common_rigid_motion(backend):
 def test_surfaces_that_do_not_meet_or_look_away_are_refused(backend, formulation):
     data = two_blocks(backend, formulation)
     data["bodies"]["upper"]["placement"] = {"translation": [0.0, 0.0, 2.0]}
-    with pytest.raises(InputError, match=r"contacts.interface = .*find nothing on side b"):
+    with pytest.raises(InputError, match=r"contacts.interface = .*no opposite point on side b"):
         assemble(data)
     data = two_blocks(backend, formulation, b="lower.z_min")
     for body in data["bodies"].values():

@@ -183,7 +183,7 @@ def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
         return forces | {"upper": 1.0001 * forces["upper"]}, size
 
     monkeypatch.setattr("cea.system.support_forces.contact_forces", wrong)
-    with pytest.raises(ConvergenceError, match=r"do not balance: .* left over on upper") as raised:
+    with pytest.raises(ConvergenceError, match=r"do not balance: .* N on upper") as raised:
         run_scene(read_scene(pressed(backend, contact)))
     assert set(raised.value.best) == {"upper", "lower"}
 
