@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 Backend = Literal["fe", "iga"]
 
 SceneName = Annotated[str, Argument(help="TOML file, or the name of a scene.")]
-Settings = Annotated[
-    list[str] | None, Option("--set", help="Set, e.g., contacts.pad_disc.mu=0.3")
-]
+Settings = Annotated[list[str] | None, Option("--set", help="Set, e.g., contacts.pad_disc.mu=0.3")]
 OnBackend = Annotated[Backend | None, Option(help="Backend for every body.")]
 Data = Annotated[str | None, Option(help="Folder of the files that a scene of matrices names.")]
 Out = Annotated[Path, Option(help="Folder of the result.")]
