@@ -198,7 +198,7 @@ def _drum(p: float) -> Scene:
 
 
 def formulations() -> Runs:
-    """Every formulation beside exact eigenvalues."""
+    """Every formulation against exact eigenvalues."""
     for p in (1e-2, 1.0, 1e2, 1e4):
         # Mortar must be accurate at any stiffness; others may be inaccurate, but must warn.
         row, true = f"p = {p:.0e} N/m³", _exact_layers(p, 1.0)
@@ -209,7 +209,7 @@ def formulations() -> Runs:
 
 
 def mortar() -> Runs:
-    """Mortar beside exact eigenvalues, p from 1e-2 N/m³ to infinity."""
+    """Mortar against exact eigenvalues, p from 1e-2 N/m³ to infinity."""
     stiffnesses = (1e-2, 1.0, 1e3, 1e6, 1e9, 1e12, inf)
     for p in stiffnesses:
         row, data = f"blocks, p = {p:.0e} N/m³", _cubic_layers(p, "0.3*abs(sin(pi*x/2))")

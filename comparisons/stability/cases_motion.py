@@ -71,7 +71,7 @@ def load_steps() -> Runs:
         ("two steps a rounding apart", [1.0 - 2**-52, 1.0]),
     ):
         for m, c in ((1.0, 1.0), (2.0, 10.0), (5.0, 1e8)):
-            # Under a tiny load the contact stiffness is small beside rounding of the body's.
+            # Under a tiny load the contact stiffness is lost in the rounding of that of the body.
             expected = "honest" if steps == nearly_lost and m > 3.0 else "accurate"
             pressed = pressed_layers(1e-3, c_n=c, m_n=m)
             data = changed(pressed, {"analysis.load_steps": steps})

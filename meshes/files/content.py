@@ -193,7 +193,7 @@ def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:
     rising = np.sort(numbers)
     for wrong, allowed in (
         (rising[1:][np.diff(rising) == 0], f"a number of {what} that occurs once"),
-        (wanted[rows < 0], f"a number of {what} in the file: it is used, but not defined"),
+        (wanted[rows < 0], f"a number of {what} that the file has: it is used, but not defined"),
     ):
         if wrong.size:
             raise InputError("file", int(wrong[0]), allowed)
