@@ -1,7 +1,7 @@
-"""Both backends on the disc and pad: basic formulations, and every pairing of backends.
+"""Comparison of both backends on the disc and pad: basic formulations, pairings of backends.
 
-With mortar contact the bodies' own discretisation alone differs; the last pairing is run with a
-higher degree too. What changes there is not converged, however well the pairings agree.
+With mortar contact only the discretisation of the bodies differs. The last pairing is also run with
+a higher degree: modes that change there are not converged, however well the pairings agree.
 """
 
 from collections.abc import Iterator
@@ -22,8 +22,8 @@ from scenes.spec.body import Backend, backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene
 
 FREQUENCY_BOUND, GROWTH_BOUND = 0.01, 0.15
-"""Largest relative differences of frequencies and of growth rates that agree."""
-_FINER = 3  # degree, in every direction, that the last pairing is run with once more
+"""Relative differences of frequencies and growth rates up to which two modes agree."""
+_FINER = 3  # degree in every direction of the additional run of the last pairing
 
 
 @dataclass(frozen=True)
@@ -34,19 +34,19 @@ class Options:
 
 
 def rules(backend: Backend) -> dict[str, Any]:
-    """Formulations of the disc and pad; a grid has about as many points on either backend."""
+    """Formulations of the disc and pad; grids have about as many points on both backends."""
     own, grid = (Greville(), Grid(10)) if backend == "iga" else (NodeToSurface(), Grid(4))
     return {"collocation": own, "grid": grid, "GPTS": GaussPointToSurface(5), "mortar": Mortar()}
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Each formulation, all backends together."""
+    """Yield one case for each formulation, with all backends in it."""
     for formulation in rules("fe"):
         yield {"formulation": formulation}
 
 
 def scene(case: Case, options: Options) -> dict[str, Scene]:
-    """Scenes by the backends of pad and disc."""
+    """Scenes of a case by the backends of pad and disc."""
     disc_pad = load_scene(Path("disc_pad"), options.overrides)
     mortar = case["formulation"] == "mortar"
     pairs = product(BACKENDS, BACKENDS) if mortar else zip(BACKENDS, BACKENDS, strict=True)
@@ -64,7 +64,7 @@ def scene(case: Case, options: Options) -> dict[str, Scene]:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Modes in every pairing of backends, unstable ones paired with those of the first."""
+    """Solve all pairings and match unstable modes with the first, of a finer run with the last."""
     assert session.scene is not None
     results = {name: session.solve(scene) for name, scene in session.scene.items()}
     runs, modes = [], []
@@ -97,7 +97,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 
 def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
-    """Every unstable mode of two runs beside its partner."""
+    """Yield a row for each unstable mode of two runs, with its partner if it has one."""
     found = match_unstable(first, second)
     for pair in found["pairs"]:
         row: dict[str, Any] = {}
@@ -115,13 +115,13 @@ def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
 
 
 def unstable(result: StudyResult) -> pd.DataFrame:
-    """Unstable modes of the disc and pad."""
+    """Unstable modes of all runs."""
     frame = result.frame("modes")
     return frame[frame["verdict"] == "unstable"].drop(columns="verdict")
 
 
 def headline(result: StudyResult) -> str:
-    """How far paired modes are apart, and which are not converged."""
+    """Largest differences of matched modes, and the modes that are not converged."""
     frame = result.frame("agreement")
     finer = frame["compared"].str.contains("degree")
     same = frame[~finer]
@@ -129,8 +129,8 @@ def headline(result: StudyResult) -> str:
     changed = frame[finer & ~frame["within"]]
     hertz = changed["frequency_first"].fillna(changed["frequency"]).map(shown(4))
     return (
-        f"Unstable modes of other backends differ by at most {f} % in frequency and {g} % in "
-        f"growth rate, {same['modal_assurance'].isna().sum()} have no partner. Not converged in "
+        f"Unstable modes of different backends differ by at most {f} % in frequency and {g} % in "
+        f"growth rate; {same['modal_assurance'].isna().sum()} have no partner. Not converged in "
         f"the degree: {', '.join(hertz + ' Hz') or 'none'}."
     )
 
@@ -152,16 +152,16 @@ PAIRED = OWN | {
 SECTIONS = [
     Section(
         "Disc and pad",
-        "Unstable modes are paired by shape and frequency over all modes; MAC is the modal "
-        "assurance of both shapes on the contact surfaces. Within: at most "
-        f"{number(100 * FREQUENCY_BOUND, 1)} % in frequency and {number(100 * GROWTH_BOUND, 2)} % "
-        "in growth rate. Found: eigenvalues below the end of the window; counted: those that the "
-        "inertia of the symmetric part has there.",
+        "Unstable modes are matched by shape and frequency among all modes; MAC is the modal "
+        "assurance criterion of both shapes on the contact surfaces. Within: differences of at "
+        f"most {number(100 * FREQUENCY_BOUND, 1)} % in frequency and "
+        f"{number(100 * GROWTH_BOUND, 2)} % in growth rate. Found: eigenvalues below the end of "
+        "the window; counted: their number in the symmetric part, from its inertia.",
         headline,
         [
             Table(
                 "agreement",
-                "Unstable modes: those compared with, those compared, and the change.",
+                "Unstable modes of the reference and of the compared run, and the change.",
                 "agreement",
                 PAIRED,
                 printed=True,

@@ -16,14 +16,14 @@ from comparisons.study.plots import AXIS, BLUE, STYLE, save
 from scenes import Result
 
 _OPEN = "#D9D9D9"
-_FLAT = 0.5  # length of the mean unit normal from which a contact is seen along it
+_FLAT = 0.5  # length of the mean unit normal above which it is the direction of view
 
 
 def draw_contacts(result: Result, out: Path) -> list[Path]:
-    """Draw what each contact with a law carries in steady sliding; none without it.
+    """Draw the steady sliding state of each contact with a contact law; return the files.
 
-    In space it is seen along the coordinate nearest to its mean normal, or in which it is thinnest;
-    in the plane values are drawn along the coordinate in which it is longest.
+    In space the view is along the axis nearest to the mean normal, or in which the contact is
+    thinnest; in the plane values are drawn along the axis in which it is longest.
     """
     states = result.steady.contacts if result.steady is not None else {}
     files = []
@@ -39,7 +39,7 @@ def draw_contacts(result: Result, out: Path) -> list[Path]:
 
 
 def draw_contact(contact: Contact, state: ContactState) -> Figure:
-    """Pressure, closed zone and stiffness of a half pass beside each other."""
+    """Draw pressure, closed zone and stiffness of a half pass in three panels."""
     in_plane = contact.interface.points.x.shape[1] == 2
     size = (7.0, 6.0) if in_plane else (12.0, 4.2)
     figure = Figure(figsize=size, layout="constrained")
@@ -60,7 +60,7 @@ def draw_contact(contact: Contact, state: ContactState) -> Figure:
 
 
 def _along(axes: Any, contact: Contact, values: Floats, title: str, colours: str) -> None:
-    """Values along a contact in the plane."""
+    """Draw values along a contact in the plane."""
     x = contact.interface.points.x
     axis = int(np.argmax(np.ptp(x, axis=0)))
     order = np.argsort(x[:, axis], kind="stable")
@@ -72,7 +72,7 @@ def _along(axes: Any, contact: Contact, values: Floats, title: str, colours: str
 
 
 def _seen(axes: Any, contact: Contact, values: Floats, title: str, colours: str) -> None:
-    """Values at the points of a contact in space; where it is closed, if no colours are given."""
+    """Draw values at the points of a contact in space; without ``colours``, where it is closed."""
     points = contact.interface.points
     mean = np.abs(points.normal.mean(axis=0))
     flat = np.linalg.norm(mean) > _FLAT

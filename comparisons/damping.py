@@ -1,14 +1,14 @@
-"""How damping moves the friction at which flutter begins: a mass between four walls.
+"""Effect of damping on the friction at which flutter begins: a mass between four walls.
 
-The model of Hulten made of elastic bodies. A stiff square of mass 1 kg slides past a wall on each
-of its sides, the friction of the walls going round it; penalties hold it with k1 along x and k2
-along y. Opposite walls share each, so that neither their forces nor their friction turns the
-square; what is left are two degrees of freedom,
+The model of Hulten, built from elastic bodies. A stiff square of mass 1 kg slides along a wall on
+each of its sides, with friction directed around the square; penalty contacts give it the stiffness
+k1 along x and k2 along y. Opposite walls carry half of each, so that neither normal forces nor
+friction rotate the square. Two degrees of freedom remain,
 
     x'' + c1 x' + k1 x - mu k2 y = 0,     y'' + c2 y' + mu k1 x + k2 y = 0
 
-up to terms of the order k / E. c1 = alpha damps the whole mass; c2 is more than that by friction
-that rises with the speed on the walls across x, along which they are slid on.
+up to terms of the order k / E. Mass damping alpha = c1 acts along x and y; the rest of c2 comes
+from friction that rises with the sliding speed on the walls normal to x.
 """
 
 from collections.abc import Iterator
@@ -30,9 +30,9 @@ from scenes.spec.reading import Scene, read_scene
 K1, K2 = 1.0, 1.44
 """Stiffness along x and y (N/m)."""
 MODULUS = 1e6  # Young's modulus of all bodies (N/m^2)
-_TOP = 0.3  # upper end of the modes (Hz), above both of the mass, which are at 0.16 and 0.19
+_TOP = 0.3  # upper end of the window (Hz); the modes of the mass are at 0.16 and 0.19
 _LOWEST, _HIGHEST = 0.005, 2.0
-"""Friction below and above every threshold."""
+"""Friction coefficients below and above every threshold."""
 _WALLS = {
     "left": ("x_min", "x_max", (-0.2, 0.0), (0.2, 1.0), (0.0, 1.0), K1),
     "right": ("x_max", "x_min", (1.0, 0.0), (0.2, 1.0), (0.0, -1.0), K1),
@@ -40,7 +40,7 @@ _WALLS = {
     "upper": ("y_max", "y_min", (0.0, 1.0), (1.0, 0.2), (1.0, 0.0), K2),
 }
 """Sides of the square and of the wall, corner and size of the wall, direction of friction on the
-square, stiffness along the normal of both walls together."""
+square, normal stiffness of the wall and the opposite one together."""
 _RATIOS = tuple(float(f"{r:.4g}") for r in np.geomspace(1e-3, 0.3, 8))
 
 
@@ -54,19 +54,19 @@ class Options:
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """A case for each backend and damping."""
+    """Yield a case for each backend and damping."""
     for share, ratio, backend in product(options.shares, options.ratios, options.backends):
         yield {"share": share, "ratio": ratio, "backend": backend}
 
 
 def dampings(share: float, ratio: float) -> tuple[float, float]:
-    """Damping c1, c2 (N s/m) for a mean damping ratio and how it is shared out."""
+    """Damping c1, c2 (N s/m) of the mean damping ratio ``ratio``, with zeta2 / zeta1 = share."""
     first = 2 * ratio / (1 + share)
     return 2 * sqrt(K1) * first, 2 * sqrt(K2) * (2 * ratio - first)
 
 
 def exact(share: float, ratio: float) -> float:
-    """Friction at which the lumped system begins to flutter, by its closed formula."""
+    """Friction coefficient at which the lumped system begins to flutter, in closed form."""
     c1, c2 = dampings(share, ratio)
     return float(hulten_threshold(K1, str(K2), repr(c1), repr(c2), digits=24)[0])
 
@@ -110,7 +110,7 @@ def _body(backend: str, corner: tuple[float, ...], size: tuple[float, ...]) -> d
 
 
 def evaluate(case: Case, session: Session) -> dict[str, float]:
-    """Friction at which the largest growth rate of the elastic bodies is 0, and the exact one."""
+    """Friction coefficient at which the elastic bodies begin to flutter, and the exact one."""
     assert session.scene is not None
     assembled = AssembledScene(session.scene)
     try:
@@ -131,12 +131,12 @@ def curves(result: StudyResult) -> pd.DataFrame:
 
 
 def headline(result: StudyResult) -> str:
-    """Between which values damping moves the threshold, and how far off the elastic bodies are."""
+    """Range of the thresholds with damping, and the largest error of the elastic bodies."""
     runs = result.frame()
     return (
-        f"Undamped flutter begins at μ = {number(exact(1.0, 0.0))}, damped between "
-        f"{number(runs['exact'].min())} and {number(runs['exact'].max())}; elastic bodies are "
-        f"within {number(runs['error'].max(), 1)} of the exact thresholds."
+        f"Flutter begins at μ = {number(exact(1.0, 0.0))} without damping, and between "
+        f"{number(runs['exact'].min())} and {number(runs['exact'].max())} with it; relative "
+        f"errors of the elastic bodies are at most {number(runs['error'].max(), 1)}."
     )
 
 

@@ -1,4 +1,4 @@
-"""What ``cea doctor`` looks at: whether this installation works, and what mends it where not."""
+"""Checks of ``cea doctor``: whether this installation works, and how to repair it."""
 
 import ctypes
 import os
@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import Literal
 
 _PROJECT = "friction-cea"
-_PATIENCE = 60.0  # seconds that a program may take
+_PATIENCE = 60.0  # time limit of a program (s)
 _COUNT = "import sys; from cea.petsc import MPI; sys.stdout.write(f'of {MPI.COMM_WORLD.size};')"
 _AGAIN = "make distclean setup"
 LIBRARIES = {"libGL.so.1": "libgl1", "libEGL.so.1": "libegl1", "libGLU.so.1": "libglu1-mesa"}
@@ -29,35 +29,35 @@ _COARSE = {
     for body, elements in (("upper", [8, 3]), ("lower", [7, 4]))
 }
 _EXACT = (1.374601231794j, 1.767482480613j, 1.825025163132j, 1.953583329521j, 2.024977609479j)
-"""The first five, by ``cea exact blocks --count 5``."""
-_TOLERANCE = 1e-4  # relative error of eigenvalues on such meshes
+"""The first five exact eigenvalues, from ``cea exact blocks --count 5``."""
+_TOLERANCE = 1e-4  # relative error above which eigenvalues on these meshes are wrong
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at."""
+    """Result of one check."""
 
     name: str
     told: str
-    mend: str | None = None  # the command, or what else is to be done, where it is a fault
+    mend: str | None = None  # command or advice that repairs a fault; None: no fault
 
 
 def examine(*, launched: bool) -> Iterator[Finding]:
-    """Look at everything, cheap things first; ``launched``: whether mpiexec began this process."""
+    """Yield the results of all checks, cheap ones first; ``launched``: started by mpiexec."""
     yield Finding("python", ".".join(map(str, sys.version_info[:3])))
     installed = packages()
     yield installed
     yield compiler()
     yield from libraries()
     if installed.mend:
-        return  # what follows would fail for what is told already
-    yield launcher(launched=launched)  # before MPI begins here: no launcher starts inside of it
+        return  # the other checks would fail for the same reason
+    yield launcher(launched=launched)  # before MPI starts: a launcher does not run inside it
     yield solve("fe")
     yield solve("iga")
 
 
 def packages() -> Finding:
-    """Every package that the project needs, in a version that it can use, as pip finds them."""
+    """Check with pip that every required package is installed in a suitable version."""
     command = [sys.executable, "-m", "pip", "check"]
     done = subprocess.run(command, capture_output=True, text=True)
     wrong = [line for line in done.stdout.splitlines() if line.startswith(f"{_PROJECT} ")]
@@ -67,19 +67,19 @@ def packages() -> Finding:
 
 
 def compiler() -> Finding:
-    """The C compiler with the header of Python, which compiles forms of finite elements."""
+    """Check that the C compiler, which compiles finite element forms, finds Python's headers."""
     command = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
     mend = f"sudo apt-get install gcc libc6-dev python3.{sys.version_info.minor}-dev"
     if shutil.which(command[0]) is None:
         return Finding("C compiler", f"no {command[0]}", mend)
     header = f"-I{sysconfig.get_path('include')}"
     if _run([*command, header, "-fsyntax-only", "-x", "c", "-"], "#include <Python.h>\n") is None:
-        return Finding("C compiler", f"{command[0]} compiles nothing: no headers", mend)
+        return Finding("C compiler", f"{command[0]} does not compile: no headers", mend)
     return Finding("C compiler", (_run([command[0], "--version"]) or command[0]).splitlines()[0])
 
 
 def libraries() -> Iterator[Finding]:
-    """Shared libraries that no Python package brings."""
+    """Check the shared libraries that no Python package installs."""
     for library, package in LIBRARIES.items():
         try:
             ctypes.CDLL(library)
@@ -90,11 +90,11 @@ def libraries() -> Iterator[Finding]:
 
 
 def launcher(*, launched: bool) -> Finding:
-    """The mpiexec of the MPI that the packages use, tried on two ranks, but not inside of one."""
+    """Check that mpiexec of the installed MPI starts two ranks, unless it started this process."""
     right = Path(sys.executable).with_name("mpiexec")
     mend = "python -m pip install --force-reinstall mpich"
     if launched:
-        return Finding("mpiexec", "began this program")
+        return Finding("mpiexec", "started this program")
     if not right.is_file():
         return Finding("mpiexec", f"no {right}", mend)
     told = _run([str(right), "-n", "2", sys.executable, "-c", _COUNT]) or ""
@@ -105,13 +105,13 @@ def launcher(*, launched: bool) -> Finding:
 
 
 def solve(backend: Literal["fe", "iga"]) -> Finding:
-    """Modes of two blocks in contact, beside exact eigenvalues."""
+    """Check the modes of two blocks in contact against exact eigenvalues."""
     name, start = f"solve on {backend}", perf_counter()
     try:
         error = worst_error(backend)
-    except Exception as fault:  # whatever it is, it is what the doctor is asked for
+    except Exception as fault:  # any failure is a finding
         told = f"{type(fault).__name__}: {fault}".splitlines()[0]
-        return Finding(name, told, f"{_AGAIN}; should it stay, tell what this says")
+        return Finding(name, told, f"{_AGAIN}; if the fault stays, report this message")
     told = f"{perf_counter() - start:.1f} s, error {error:.0e}"
     if error > _TOLERANCE:
         return Finding(name, f"{told}: wrong eigenvalues", _AGAIN)
@@ -131,7 +131,7 @@ def worst_error(backend: Literal["fe", "iga"]) -> float:
 
 
 def _run(command: list[str], text: str = "") -> str | None:
-    """What a program prints; None where it fails or does not end."""
+    """Output of a program; None if it fails or exceeds the time limit."""
     try:
         done = subprocess.run(
             command, input=text, capture_output=True, text=True, timeout=_PATIENCE, check=True

@@ -17,11 +17,11 @@ from scenes import Result
 from scenes.results.record import read_record
 
 _KEY, _MODES = "run", "rows of modes"
-"""Name of the modes on the page, and of the table of modes beside the record."""
+"""Key of the mode shapes on the page, and of the rows of modes added to the record."""
 
 
 def write_run_report(result: Result, record: Path) -> Path:
-    """Write the page of a run beside its record; collective. It shows the shapes that fit."""
+    """Write the page of a run beside its record, with as many shapes as fit; collective."""
     shapes, rows = Shapes(), [] if result.spectrum is None else result.table()
     if rows and result.coupled is not None:
         shapes.add(_KEY, result, by_importance(result))
@@ -37,7 +37,7 @@ _MODE = ["mode", "verdict", "frequency", "growth", "damping_ratio", "uncertainty
 
 
 def modes(data: Data) -> pd.DataFrame:
-    """Every mode with its verdict and errors."""
+    """All modes with verdicts and errors."""
     rows = [
         row | {"growth": row["growth_rate"], "shape": f"{_KEY}/{row['mode']}"}
         for row in data[_MODES]
@@ -46,7 +46,7 @@ def modes(data: Data) -> pd.DataFrame:
 
 
 def by_verdict(data: Data) -> pd.DataFrame:
-    """The same, those that grow first."""
+    """All modes in the order of their verdicts, growing ones first."""
     order = [*VERDICT_MARKS].index
     return modes(data).sort_values("verdict", key=lambda v: v.map(order), kind="stable")
 
@@ -64,7 +64,7 @@ def stresses(data: Data) -> pd.DataFrame:
 
 
 def contacts(data: Data) -> pd.DataFrame:
-    """Contact points as they were found on the other side."""
+    """Numbers of found and missed points, area and largest gap of each contact."""
     rows = [
         (
             name,
@@ -79,12 +79,12 @@ def contacts(data: Data) -> pd.DataFrame:
 
 
 def _named(field: str, *columns: str) -> Callable[[Data], pd.DataFrame]:
-    """Makes a frame of the names and values of a field."""
+    """Return a function that makes a frame of the names and values of a field."""
     return lambda data: pd.DataFrame(list(data[field].items()), columns=list(columns))
 
 
 def summary(data: Data) -> str | None:
-    """How many modes grow, and why they are all."""
+    """Number of growing modes, and the evidence that none is missing."""
     if "eigenvalues" not in data:
         return None
     mark = sign(data["verdict"]).removesuffix(data["verdict"])
@@ -92,14 +92,14 @@ def summary(data: Data) -> str | None:
 
 
 def steady(data: Data) -> str | None:
-    """What steady sliding found."""
+    """Results of steady sliding in words; None without it."""
     from scenes.results.data import steady_lines
 
     return " ".join(steady_lines(data["steady_sliding"])) if "steady_sliding" in data else None
 
 
 def size(data: Data) -> str:
-    """Unknowns and run time."""
+    """Number of unknowns and run time in words."""
     return f"{number(data['dofs']['free'])} dofs took {number(data['seconds'], 3)} s."
 
 
@@ -115,21 +115,21 @@ COLUMNS = {
 _SHOWN = Table(
     "modes",
     "Every mode of the window. Damping ratio: minus the growth rate over abs(λ). Algebraic error: "
-    "what residual and rounding, times the condition, can make of the growth rate; errors of the "
-    "mesh are told by cea converge.",
+    "error of the growth rate from residual and rounding, times the condition number; cea converge "
+    "estimates discretisation errors.",
     lambda data: modes(data).assign(verdict=modes(data)["verdict"].map(sign)),
     COLUMNS,
 )
 _DIAGRAM = diagram(
     "stability",
-    "What lies above zero grows. Marks tell verdicts apart as colours do.",
+    "Modes above zero grow. Markers and colours both show the verdict.",
     by_verdict,
     ("verdict",),
     own=COLUMNS,
 )
 _STRESS = "Normal stress along a line over the contact, both sides."
 _STRESSES = Plot("stress", _STRESS, stresses, "arc", "stress", ("side",), ("contact",), "", COLUMNS)
-_CONTACTS = Table("contacts", "Points as found on the other side.", contacts, COLUMNS)
+_CONTACTS = Table("contacts", "Contact points projected on the other side.", contacts, COLUMNS)
 _STAGES = Table("stages", "", _named("timings", "stage", "seconds"))
 _SKIPPED = Table("skipped", "Not needed by the scene.", _named("skipped", "left_out", "reason"))
 _PARAMETERS = Table("parameters", PARAMETERS, lambda data: parameters([data]))
@@ -138,7 +138,7 @@ _VIEWER = (
     "turn it, and move the phase or press play to see it vibrate."
 )
 SECTIONS = [
-    Section("Warnings", tables=[Table("warnings", "To be read with the result.", warned)]),
+    Section("Warnings", tables=[Table("warnings", "Warnings that qualify the result.", warned)]),
     Section("Modes", _VIEWER, summary, [_SHOWN], [_DIAGRAM], modes=True),
     Section("Steady sliding", headline=steady),
     Section("Stresses", plots=[_STRESSES]),

@@ -16,21 +16,21 @@ from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 Breaks = tuple[Floats, ...]
 
 CLOSED = (Annulus, Hub, Disc, Ring)
-"""Shapes all the way round, in four quarters."""
+"""Shapes all the way round, made of four quarters."""
 _JOINTS = (90.0, 180.0, 270.0)
 _SNAP = 1e-9
-"""Breaks nearer than this to a joint of blocks (degrees, m) are there."""
+"""Distance (degrees, m) from a joint of blocks below which a break lies on it."""
 
 
 def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
-    """``count + 1`` element boundaries as even as possible that pass through given coordinates."""
+    """Return ``count + 1`` element boundaries, as even as possible, through given coordinates."""
     stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
     inside = bool(stops[0] == low and stops[-1] == high)
     require(inside, "through", list(through), f"{low} to {high}")
     require(count >= len(stops) - 1, "elements", count, f"at least {len(stops) - 1}")
     lengths = np.diff(stops)
     even = np.floor(count * lengths / (high - low)).astype(int)
-    shares = np.maximum(1, even - len(lengths))  # fewer than each gets
+    shares = np.maximum(1, even - len(lengths))  # lower bounds of the numbers of elements
     for _ in range(count - shares.sum()):
         shares[np.argmax(lengths / shares)] += 1
     pieces = [
@@ -91,7 +91,7 @@ def _asked(
 
 
 def fewest(shape: Shape, through: Mapping[str, Sequence[float]]) -> tuple[int, ...]:
-    """Fewest elements along each direction: one between neighbours that must be boundaries."""
+    """Least number of elements along each direction: one between required boundaries."""
     asked = _asked(shape, (1,) * len(shape.directions), through)
     return tuple(
         len({*ends, *asked.get(name, ())}) - 1
@@ -100,8 +100,8 @@ def fewest(shape: Shape, through: Mapping[str, Sequence[float]]) -> tuple[int, .
 
 
 def layered(breaks: Floats, towards: Sequence[float], layers: int, ratio: float) -> Floats:
-    """Breaks with geometric layers towards some of them, as corners of stress ask for."""
-    require(0 < ratio < 0.5 and layers >= 0, "ratio", ratio, "below 1/2: layers may meet")
+    """Breaks with geometric layers towards some of them, as for singular stresses at corners."""
+    require(0 < ratio < 0.5 and layers >= 0, "ratio", ratio, "0 to 1/2: layers must not overlap")
     shares = ratio ** np.arange(1, layers + 1)
     new = [breaks]
     for centre in towards:
@@ -123,7 +123,7 @@ def blocks_of(shape: Shape, breaks: Breaks) -> tuple[list[Breaks], Faces]:
     axes = [axis for axis in range(len(breaks)) if not (isinstance(shape, CLOSED) and axis == 1)]
     ends = [(axis, side) for axis in axes for side in (0, 1)]
     if isinstance(shape, Disc):
-        ends.remove((0, 0))  # its middle
+        ends.remove((0, 0))  # the axis is no face
     blocks = _quarters(*breaks) if isinstance(shape, CLOSED) else [breaks]
     named = dict(zip(shape.surfaces, ends, strict=True))
     return blocks, {name: _on_all(range(len(blocks)), *end) for name, end in named.items()}

@@ -1,10 +1,10 @@
 """Shapes of which one flat face is crowned: it falls away from an apex as a paraboloid does.
 
 At the distance s from the apex along a direction with the radius of curvature R the face lies
-s^2 / (2 R) deeper in the body, as the bodies do between which Hertz took contact to be; a cylinder
-or a sphere of radius R leaves this face by s^4 / (8 R^3). Along theta, s is the straight distance
-from the point of equal radius at the apex: its square is a rational function of the arc, so that
-NURBS hold the face exactly. What lies behind the face follows it in proportion.
+s^2 / (2 R) deeper in the body, as in the theory of Hertz; a cylinder or a sphere of radius R
+deviates from this face by s^4 / (8 R^3). Along theta, s is the straight distance from the point of
+equal radius at the apex: its square is a rational function of the arc, so that NURBS represent the
+face exactly. Points behind the face move with it in proportion.
 """
 
 from collections.abc import Sequence
@@ -22,21 +22,21 @@ from meshes.simple_shapes import Box, Rectangle, Sector
 
 @dataclass(frozen=True)
 class Crowned:
-    """A box, rectangle or sector with one crowned face; directions and surfaces are those of it.
+    """A box, rectangle or sector with one crowned face; it keeps their directions and surfaces.
 
     Parameters
     ----------
     base
-        The shape before its face is crowned; coordinates of elements along its directions are
-        those before, too.
+        The shape before its face is crowned; coordinates of elements along its directions refer
+        to it, too.
     surface
         The crowned face: any one of a box or rectangle, bottom or top of a sector.
     radii
         Radius of curvature at the apex (m) along one or both directions of the face, by name of
         the direction; along others the face stays straight.
     apex
-        Coordinate at which the face keeps its place, likewise (m, degrees); in the middle by
-        default.
+        Coordinate (m, degrees) at which the face keeps its place, by name of the direction; in the
+        middle by default.
 
     Raises
     ------
@@ -89,19 +89,19 @@ class Crowned:
 
     @property
     def across(self) -> int:
-        """Number of the direction across the crowned face."""
+        """Index of the direction across the crowned face."""
         return self.surfaces.index(self.surface) // 2
 
     @property
     def at_high_end(self) -> bool:
-        """Whether the coordinate across the face is largest there."""
+        """Whether the face lies at the upper end of the coordinate across it."""
         return self.surfaces.index(self.surface) % 2 == 1
 
     @property
     def bent(self) -> tuple[int, ...]:
-        """Numbers of the directions along which the depth of the face is quadratic.
+        """Indices of the directions along which the depth of the face is quadratic.
 
-        Along r it is so even where the crown is one along theta alone.
+        Along r it is quadratic even if the face is crowned along theta alone.
         """
         if isinstance(self.base, Sector):
             return 0, 1
@@ -118,15 +118,16 @@ class Crowned:
         return float(self.depth(corners)[0].max())
 
     def depth(self, points: Floats) -> tuple[Floats, Floats]:
-        """How much deeper than at its apex the face lies in the body (m), (...), and its gradient.
+        """Depth of the face below its apex (m), (...), and its gradient, (..., dim).
 
-        Of Cartesian points of the base (m), (..., dim); what they are across the face is ignored.
+        ``points`` are Cartesian points of the base (m), (..., dim); their coordinate across the
+        face is ignored.
         """
         total, slope = np.zeros(points.shape[:-1]), np.zeros(points.shape)
         for name, radius in self.radii.items():
             axis = self.directions.index(name)
             apex = self.apex.get(name, 0.5 * sum(self.extent[axis]))
-            offset = np.zeros(points.shape)  # from the apex, as long as s
+            offset = np.zeros(points.shape)  # from the apex, of length s
             if not isinstance(self.base, Sector):
                 offset[..., axis] = points[..., axis] - apex
             else:
@@ -143,16 +144,16 @@ class Crowned:
         return total, slope
 
     def height(self, points: Floats) -> tuple[Floats, Floats]:
-        """How far Cartesian points lie outside of the crowned face (m), (...), and its gradient."""
+        """Height of Cartesian points above the crowned face (m), (...), and its gradient."""
         outwards, (depth, gradient) = (1.0 if self.at_high_end else -1.0), self.depth(points)
         gradient[..., self.across] += outwards
         above = points[..., self.across] - self.extent[self.across][self.at_high_end]
         return outwards * above + depth, gradient
 
     def crown(self, points: Floats) -> Floats:
-        """Points of the base (m), shape (..., dim), moved to where they lie in the crowned shape.
+        """Map points of the base (m), shape (..., dim), to the crowned shape.
 
-        Those of the face move by its depth, those opposite not at all, those between in proportion.
+        Points of the face move by its depth, opposite ones not at all, those between in proportion.
         """
         low, high = self.extent[self.across]
         share = (points[..., self.across] - low) / (high - low)
@@ -167,8 +168,8 @@ def crowned_bezier(
 ) -> tuple[tuple[int, ...], Floats, Floats]:
     """Degrees, control points and weights of a crowned patch whose base is one Bezier element.
 
-    The crowned coordinate times the weight function is a polynomial of the raised degrees, and so
-    is known from its values on a grid.
+    The crowned coordinate times the weight function is a polynomial of the raised degrees, and is
+    interpolated on a grid.
     """
     raised = tuple(max(p, 2) if axis in shape.bent else p for axis, p in enumerate(degrees))
     net = np.concatenate([control_points * weights[..., None], weights[..., None]], axis=-1)

@@ -1,12 +1,12 @@
 """Geometric layers of cells around singular edges, and nowhere else.
 
-Every cell at an edge is divided across it: into a smaller one at the edge, with sides of a part q,
-and two that pass over from its inner sides to the outer sides of the cell. These stay whole, so
-that no neighbour is divided, where breaks with layers would go through the whole shape. A further
-layer divides the smaller cells again. A cell with two edges on one side, as the one across a thin
-disc is, is divided into two smaller ones at both and five others.
+Every cell at an edge is divided across it: into a smaller one at the edge, with sides of relative
+length q, and two that connect its inner sides with the outer sides of the cell. The outer sides
+stay whole, so that no neighbour is divided, whereas layered breaks would run through the whole
+shape. A further layer divides the smaller cells again. A cell with two edges on one side, as across
+a thin disc, is divided into a smaller one at each edge and five others.
 
-Edges run along one direction of a lattice all the way; in the plane they are points.
+Edges extend along one whole direction of a lattice; in the plane they are points.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,16 +21,16 @@ from meshes.files.content import facets_on, first_of_near, named_sides
 from meshes.shapes import Disc, Shape
 
 TOO_FEW = "more elements: at most two edges at one cell, and on one side of it"
-"""What is asked of elements among which there is no room for layers."""
+"""Advice for elements that leave no room for layers."""
 _ON = 1e-9
-"""Distance from an edge, relative to the shape, at which a node lies on it."""
+"""Distance from an edge, relative to the shape, below which a node lies on it."""
 Bools = NDArray[np.bool_]
 Edge = Mapping[str, float]
-"""Coordinates along two directions of a shape, those that an edge lies across."""
+"""Coordinates of an edge along the two directions of a shape that it is normal to."""
 
 
 def run_along(shape: Shape, edges: Sequence[Edge]) -> int | None:
-    """Axis that edges run along, None in the plane."""
+    """Axis along which edges run, None in the plane."""
     directions, pairs = shape.directions, {frozenset(edge) for edge in edges}
     known = [pair for pair in pairs if len(pair) == 2 and pair <= set(directions)]
     allowed = f"coordinates along the same two of {', '.join(directions)} each"
@@ -46,7 +46,7 @@ def run_along(shape: Shape, edges: Sequence[Edge]) -> int | None:
 
 
 def check_room(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> None:
-    """Refuse elements among which there is no room for layers towards edges."""
+    """Refuse elements that leave no room for layers towards edges."""
     counts = tuple(len(each) - 1 for each in breaks)
     require(fit(shape, breaks, edges), "elements", counts, TOO_FEW)
 
@@ -79,16 +79,16 @@ def _on_edge(shape: Shape, points: Floats, edge: Edge) -> Bools:
 
 
 RATIO = 0.2
-"""Size of a cell of a layer relative to the next one: near what suits corners best."""
+"""Size of a cell of a layer relative to the next one: near the optimum for corners."""
 _TURN = np.array([0.55, 0.3])
-"""Where the cells between two edges turn, in parts of the cell: away from the side that both are
-on, and along it."""
+"""Relative coordinates of the bend of the cells between two edges: away from the side with both
+edges, and along it."""
 
 
 def quads_towards(marked: NDArray[np.bool_], layers: int) -> Floats:
-    """What a square is divided into towards marked corners, (n, 2, 2, 2).
+    """Divide the unit square into quadrilaterals towards marked corners, (n, 2, 2, 2).
 
-    Corners [i, j] of each quadrilateral by their two coordinates, from 0 to 1; of right hand.
+    The last axis has the two coordinates of corner [i, j]; quadrilaterals are right-handed.
     """
     whole = np.stack(np.meshgrid([0.0, 1.0], [0.0, 1.0], indexing="ij"), axis=-1)[None]
     if not layers:
@@ -111,7 +111,7 @@ def quads_towards(marked: NDArray[np.bool_], layers: int) -> Floats:
 
 
 def _around_one(small: Floats) -> Floats:
-    """Towards the corner (0, 0), which is divided already."""
+    """Divide a square towards the corner (0, 0), given the cells ``small`` at it."""
     q = RATIO
     along = [[[q, 0], [q, q]], [[1, 0], [1, 1]]]
     up = [[[0, q], [0, 1]], [[q, q], [1, 1]]]
@@ -119,7 +119,7 @@ def _around_one(small: Floats) -> Floats:
 
 
 def _around_two(small: Floats) -> Floats:
-    """Towards the corners (0, 0) and (0, 1), of which the first is divided already."""
+    """Divide a square towards (0, 0) and (0, 1), given the cells ``small`` at the first."""
     q, (a, b) = RATIO, _TURN
     low = np.concatenate([small, np.array([[[[q, 0], [q, q]], [[1, 0], [a, b]]]])])
     high = np.flip(low, axis=2).copy()
@@ -133,7 +133,7 @@ def _around_two(small: Floats) -> Floats:
 
 
 SAME = 1e-3
-"""Distance of nodes, relative to the least of a cell, below which they are one."""
+"""Distance of nodes, relative to the least of neighbours, below which they are merged."""
 
 
 def shortest_step(blocks: Iterable[Floats], axes: Iterable[int]) -> float:
@@ -143,7 +143,7 @@ def shortest_step(blocks: Iterable[Floats], axes: Iterable[int]) -> float:
 
 
 def with_layers(mesh: Mesh, shape: Shape, edges: Sequence[Edge], layers: int) -> Mesh:
-    """Divide the cells of a structured mesh around edges towards them."""
+    """Divide the cells of a structured mesh at edges into layers towards them."""
     along, n, dim = run_along(shape, edges), mesh.order + 1, mesh.dim
     lattice = mesh.cells.reshape(-1, *(n,) * dim)
     lattice = lattice[..., None] if along is None else np.moveaxis(lattice, 1 + along, -1)
@@ -184,7 +184,7 @@ def with_layers(mesh: Mesh, shape: Shape, edges: Sequence[Edge], layers: int) ->
 
 
 def _placed(nodes: Floats, quads: Floats, order: int) -> Floats:
-    """Nodes of the parts of cells, on the maps of these."""
+    """Nodes of the parts of cells, by the polynomial maps of the cells."""
     t = np.arange(order + 1) / order
     ends = np.stack([1 - t, t])
     at = np.einsum("ai,bj,qabx->qijx", ends, ends, quads)

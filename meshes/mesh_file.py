@@ -1,4 +1,4 @@
-"""Bodies whose mesh is part of a file, units of length of files, names that fit surfaces."""
+"""Bodies from mesh files, units of length of files, valid names of surfaces."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -29,20 +29,20 @@ METRES: dict[Unit, tuple[float, float]] = {
     "in": (254, 10**4),
     "ft": (3048, 10**4),
 }
-"""Each unit in metres, as a fraction: numbers of the file are multiplied, then divided."""
+"""Each unit in metres, as a fraction: lengths are multiplied, then divided."""
 _LONGEST = 100
-"""Characters of a name of a surface."""
+"""Largest number of characters of a name of a surface."""
 
 
 def in_metres(values: Floats, unit: Unit | None) -> Floats:
-    """Lengths of a file in metres; its unit is known (:func:`check_unit`)."""
+    """Lengths of a file in metres; its unit has been checked (:func:`check_unit`)."""
     assert unit is not None
     above, below = METRES[unit]
     return values * above / below
 
 
 def check_unit(unit: str | None) -> None:
-    """Refuse a file whose unit of length nobody told."""
+    """Refuse a file whose unit of length is not given."""
     allowed = f"the unit of length of the file, one of {', '.join(get_args(Unit))}"
     require(unit is not None, "unit", None, allowed)
 
@@ -53,7 +53,7 @@ def is_fit(name: str) -> bool:
 
 
 def _one_or_more(sets: Any) -> Any:
-    """One set, given by its name, as several are."""
+    """Tuple of one name or of several."""
     if isinstance(sets, str):
         return (sets,)
     return tuple(sets) if isinstance(sets, list) else sets
@@ -88,12 +88,12 @@ class MeshFile:
         ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose names are fit
         for surfaces need not be listed here.
     merge_nodes
-        Distance, in the unit of the file, within which nodes are made one; by default none are.
+        Distance, in the unit of the file, within which nodes are merged; by default none are.
 
     Raises
     ------
     InputError
-        When the file cannot be read, or the part is none.
+        When the file cannot be read, or the part has no elements that can form a body.
     """
 
     file: str
@@ -116,14 +116,14 @@ class MeshFile:
 
     @property
     def content(self) -> "FileContent":
-        """What the file holds."""
+        """Content of the file."""
         from meshes.files.reading import read_mesh_file
 
         return read_mesh_file(Path(self.file), self.merge_nodes)
 
     @cached_property
     def elements(self) -> "Part":
-        """Its elements in the file."""
+        """Elements of the body in the file."""
         from meshes.files.part import part_of
         from meshes.files.surfaces import marking_sets
 
@@ -131,7 +131,7 @@ class MeshFile:
         return part_of(self.content, Path(self.file).name, self.part, marks)
 
     def _faces(self, surfaces: Iterable[str]) -> "dict[str, tuple[NDArray[np.bool_], int]]":
-        """Faces of its elements on each surface, and how many nodes of its sets are on none."""
+        """Faces of elements on each surface, and the number of nodes of its sets on none."""
         from meshes.files.surfaces import surface_faces
 
         sets = {name: self.faces.get(name, (name,)) for name in surfaces}
@@ -156,11 +156,11 @@ class MeshFile:
         return tuple(zip(low.tolist(), high.tolist(), strict=True))
 
     def nodes_left_out(self, surfaces: Iterable[str]) -> dict[str, int]:
-        """Numbers of nodes of the body that sets of surfaces have and that make no face of them."""
+        """Number of nodes in the sets of each surface that lie on none of its faces."""
         return {name: count for name, (_, count) in self._faces(surfaces).items() if count}
 
     def mesh(self, surfaces: Iterable[str], placement: Placement = IN_PLACE) -> Mesh:
-        """Its mesh, checked, with some of its surfaces: others may overlap these."""
+        """Checked mesh with given surfaces only: others may overlap these."""
         from meshes.files.part import body_mesh
 
         faces = {name: on for name, (on, _) in self._faces(surfaces).items()}

@@ -1,4 +1,4 @@
-"""NURBS patches of the shapes: coarsest exact geometry, wanted element boundaries, named faces.
+"""NURBS patches of the shapes: coarsest exact geometry, element boundaries, named faces.
 
 Circular arcs are quadratic rational Bezier curves of control points P0, P1, P2 and weights
 1, cos(alpha), 1 with alpha half the angle of the arc (Piegl & Tiller, The NURBS Book, sec. 7.3).
@@ -29,13 +29,13 @@ _ARC = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 
 @dataclass(frozen=True)
 class NurbsPatch:
-    """Coarsest exact geometry of a patch and where its element boundaries shall lie."""
+    """Coarsest exact geometry of a patch, and its element boundaries."""
 
     degrees: tuple[int, ...]  # along each parameter
     knots: tuple[Floats, ...]  # open knot vector along each parameter
     control_points: Floats  # (m), shape (n1, ..., dim), not multiplied by the weights
     weights: Floats  # shape (n1, ...)
-    breaks: tuple[Floats, ...]  # parameters of the wanted element boundaries, both ends included
+    breaks: tuple[Floats, ...]  # parameters of the element boundaries, both ends included
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def nurbs_shape(shape: Shape, breaks: Breaks, placement: Placement = IN_PLACE) -
 
 
 def _patches(shape: Shape, breaks: Breaks) -> tuple[list[NurbsPatch], Faces]:
-    """Patches of a shape where it stands by itself, and its faces."""
+    """Patches of a shape before its placement, and its faces."""
     match shape:
         case Patches() | NurbsFile():
             pairs = zip(shape.given.patches, shape.given.nets, strict=True)
@@ -110,7 +110,7 @@ def _cosine(degrees: Floats) -> Floats:
 
 
 def _extruded(patch: NurbsPatch, heights: Sequence[Floats]) -> NurbsPatch:
-    """A patch of the plane between heights, or as it is where there are none."""
+    """Extrude a plane patch between heights; return it unchanged if there are none."""
     for z in heights:
         layers = [np.insert(patch.control_points, 2, end, axis=-1) for end in z[[0, -1]]]
         patch = NurbsPatch(
@@ -124,7 +124,7 @@ def _extruded(patch: NurbsPatch, heights: Sequence[Floats]) -> NurbsPatch:
 
 
 def _given(patch: GivenPatch, net: Floats, breaks: Breaks) -> NurbsPatch:
-    """A given patch with its net, breaks scaled to the ranges of its parameters."""
+    """A given patch with its control points, and breaks scaled to the ranges of parameters."""
     knots = tuple(np.asarray(k, dtype=float) for k in patch.knots)
     scaled = tuple(
         np.clip(k[0] + values * (k[-1] - k[0]), k[0], k[-1])

@@ -1,7 +1,7 @@
 """Geometry given as NURBS patches: knots, control points and weights, checked before use.
 
-They stand in the scene or in a file of splinepy (.json) or G+Smo (.xml): plain lists of numbers,
-read here, as splinepy ends the program over files that are not whole.
+They come from the scene or from a file of splinepy (.json) or G+Smo (.xml). Files are read here,
+since splinepy ends the program if a file is incomplete.
 """
 
 import base64
@@ -25,10 +25,10 @@ Face = tuple[int, int, int]
 Faces = Mapping[str, tuple[Face, ...]]
 
 _SAME = 1e-10
-"""Length of a step between control points in one place, relative to the longest."""
+"""Distance of neighbouring control points, relative to the largest, below which they coincide."""
 _READERS = {".json": "meshes.patches.splinepy_patches", ".xml": "meshes.patches.gismo_patches"}
 _LARGEST = 2**28
-"""Bytes of a file."""
+"""Largest size of a file (bytes)."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,9 @@ class GivenPatch:
         dim = len(self.degrees)
         degrees_fit = dim in (2, 3) and all(p >= 1 for p in self.degrees)
         require(degrees_fit, "degrees", self.degrees, "two or three whole numbers from 1")
-        require(len(self.knots) == dim, "knots", self.knots, f"{dim} knot vectors, one a degree")
+        require(
+            len(self.knots) == dim, "knots", self.knots, f"{dim} knot vectors, as many as degrees"
+        )
         for axis, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
             _check_knots(np.asarray(knots, dtype=float), p, f"knots[{axis}]", knots)
         counts = tuple(len(k) - p - 1 for k, p in zip(self.knots, self.degrees, strict=True))
@@ -82,7 +84,7 @@ class GivenPatch:
 
     @property
     def shortest(self) -> float:
-        """Shortest step from a control point to the next that is not in the same place (m)."""
+        """Shortest distance of neighbouring control points that do not coincide (m)."""
         dim = len(self.degrees)
         steps = [np.linalg.norm(np.diff(self.points, axis=k), axis=-1).ravel() for k in range(dim)]
         every = np.concatenate(steps)
@@ -97,7 +99,7 @@ class GivenPatch:
 
 
 class _OfPatches(ABC):
-    """What patches have, wherever they come from."""
+    """Properties of patches from a scene or from a file."""
 
     @property
     @abstractmethod
@@ -136,7 +138,7 @@ class Patches(_OfPatches):
     faces
         Faces [patch, axis, side] of each named surface; side 0 is where the parameter is least.
     merge_nodes
-        Distance (m) within which control points are made one; by default none are.
+        Distance (m) within which control points are merged; by default none are.
 
     Raises
     ------
@@ -167,7 +169,7 @@ class Patches(_OfPatches):
 
     @cached_property
     def nets(self) -> tuple[Floats, ...]:
-        """Control points of each patch (m), shape (n1, ..., dim), those made one that are near."""
+        """Control points of each patch (m), shape (n1, ..., dim), with near ones merged."""
         nets = [patch.points for patch in self.patches]
         if self.merge_nodes is None:
             return tuple(nets)
@@ -178,7 +180,7 @@ class Patches(_OfPatches):
 
     @property
     def given(self) -> "Patches":
-        """They themselves."""
+        """The patches themselves."""
         return self
 
 
@@ -211,7 +213,7 @@ class NurbsFile(_OfPatches):
         Faces [patch, axis, side] of each named surface; side 0 is where the parameter is least.
         Boundaries that a file of G+Smo names need not be listed here.
     merge_nodes
-        Distance, in the unit of the file, within which control points are made one; by default none
+        Distance, in the unit of the file, within which control points are merged; by default none
         are.
 
     Raises
@@ -232,7 +234,7 @@ class NurbsFile(_OfPatches):
 
     @cached_property
     def given(self) -> Patches:
-        """Its patches (m)."""
+        """Patches of the file (m)."""
         from meshes.files.reading import read_once
 
         given, named = read_once(Path(self.file), "a file of patches", _READERS, largest=_LARGEST)
@@ -246,7 +248,7 @@ class NurbsFile(_OfPatches):
 
 
 def splinepy_patches(file: Path) -> tuple[list[GivenPatch], Faces]:
-    """Patches of a file of splinepy, in its unit; it names no faces."""
+    """Read the patches of a file of splinepy, in its unit; it names no faces."""
     data = json.loads(file.read_text("utf-8"))
     splines = []
     for one in data["SplineList"]:
@@ -265,7 +267,7 @@ def _unpacked(text: str) -> Floats:
 
 
 def gismo_patches(file: Path) -> tuple[list[GivenPatch], Faces]:
-    """Patches of a file of G+Smo, in its unit, and its named boundaries."""
+    """Read the patches of a file of G+Smo, in its unit, and its named boundaries."""
     root = ElementTree.fromstring(file.read_text("utf-8"))
     splines: list[GivenPatch] = []
     place: dict[str | None, int] = {}
@@ -297,7 +299,7 @@ def _of_xml(geometry: ElementTree.Element) -> GivenPatch:
 
 
 def _numbers(element: ElementTree.Element) -> Floats:
-    """Numbers of an element, written out or packed."""
+    """Numbers of an element, in ASCII or base64."""
     text, form = element.text or "", element.get("format", "ASCII").lower()
     if form == "b64float64":
         return _unpacked(text.strip())
@@ -307,7 +309,7 @@ def _numbers(element: ElementTree.Element) -> Floats:
 
 
 def _spline(degrees: Any, knots: Any, points: Floats, weights: Any) -> GivenPatch:
-    """A patch whose points run fastest along the first parameter; in the plane z is left out."""
+    """A patch from points that run fastest along the first parameter; in the plane without z."""
     vectors = tuple(tuple(float(k) for k in vector) for vector in knots)
     shape = tuple(len(k) - p - 1 for k, p in zip(vectors, degrees, strict=True))
     dim = len(shape)

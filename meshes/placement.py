@@ -1,4 +1,4 @@
-"""Where a shape stands in space."""
+"""Placement of a shape in space."""
 
 from dataclasses import dataclass
 
@@ -39,7 +39,7 @@ class Placement:
         ).as_matrix()
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse a place out of the plane for a body in the plane."""
+        """Refuse a placement that moves a plane body out of its plane."""
         if dim == 2:
             stays = np.allclose(self.rotation[2], [0, 0, 1]) and self.translation[2] == 0
             require(bool(stays), field, self, "a rotation about z and a shift in x, y")
@@ -53,4 +53,4 @@ class Placement:
 
 
 IN_PLACE = Placement()
-"""Where a shape stands by itself."""
+"""No rotation and no translation."""

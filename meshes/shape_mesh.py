@@ -23,11 +23,11 @@ def shape_mesh(
     edges: Sequence[Edge] = (),
     layers: int = 0,
 ) -> Mesh:
-    """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
+    """Mesh a shape; its surfaces (curves in the plane) are named as in ``shape.surfaces``.
 
     Hexahedra and quadrilaterals lie between ``breaks`` (m, degrees), with ``layers`` of cells
-    towards ``edges``; tetrahedra and triangles are these divided into six or two, or unstructured
-    of a target edge length ``size`` (m), for which gmsh must not be in use. Curved cells are
+    towards ``edges``; each is divided into six tetrahedra or two triangles, or the mesh is
+    unstructured of target edge length ``size`` (m): gmsh must not be in use then. Curved cells are
     polynomials through the Gauss-Lobatto points of the circles (:mod:`meshes.structured`). Crowned
     faces pass through all nodes, and are exact on straight bases from order 2.
     """

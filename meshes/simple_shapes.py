@@ -15,7 +15,7 @@ Extent = tuple[tuple[float, float], ...]
 
 
 def check_rising(shape: Any, *names: str) -> None:
-    """Refuse lengths of a shape that do not rise from field to field."""
+    """Refuse lengths of a shape that do not increase from one of the fields to the next."""
     for lower, name in pairwise(names):
         least, value = getattr(shape, lower), getattr(shape, name)
         require(value > least, name, value, f"more than {lower} = {least} (m)")

@@ -1,14 +1,14 @@
 """Structured meshes of the shapes: boxes between breaks, or the simplices that they divide into.
 
-A polynomial of degree k through the equispaced points of an arc errs by h^(k+1), with a mean that
-does not vanish when k is odd, and so do the eigenvalues of a body so bounded. Through the
+A polynomial of degree k through the equispaced points of an arc has an error of h^(k+1), whose mean
+does not vanish for odd k, and so have the eigenvalues of a body bounded by it. Through the
 Gauss-Lobatto points the mean error is h^(2k), the order at which eigenvalues of elements of
-degree k converge. Mesh files hold equispaced nodes: those here lie on that polynomial. Up to
-order 2 the two sets of points are one.
+degree k converge. Meshes have equispaced nodes: here they lie on that polynomial. Up to order 2 the
+two sets of points coincide.
 
-Each quadrilateral gives two triangles, each hexahedron six tetrahedra that have the diagonal from
-its first to its last corner in common and go along one direction after the other (H. W. Kuhn, IBM
-J. Res. Dev. 4, 1960).
+Each quadrilateral gives two triangles, each hexahedron six tetrahedra that share the diagonal from
+its first to its last corner and follow one direction after the other (H. W. Kuhn, IBM J. Res.
+Dev. 4, 1960).
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ def lobatto(order: int) -> Floats:
 
 
 def interpolate_arc(angles: Floats, order: int) -> Floats:
-    """Points of the unit circle at the nodes of arcs of a given order."""
+    """Nodes of polynomial arcs of a given order that interpolate the unit circle."""
     between = angles[:-1, None] + np.diff(angles)[:, None] * lobatto(order)
     circle = np.stack([np.cos(between), np.sin(between)], axis=-1)
     if order > 2:
@@ -45,11 +45,11 @@ def interpolate_arc(angles: Floats, order: int) -> Floats:
 
 
 def simplex_changes(equispaced: Floats, order: int) -> tuple[Floats, Floats]:
-    """Matrices from values at the equispaced nodes of a simplex to Lobatto-like ones, and back.
+    """Matrices from values at equispaced nodes of a simplex to Lobatto-like ones, and back.
 
     The Lobatto-like node of index (i, j, ..) has barycentric coordinates (g_i, g_j, ..) / sum with
-    g the Lobatto points of the interval: on each edge they are those points, and what lies on a
-    face depends on the face alone.
+    g the Lobatto points of the interval: on each edge they are those points, and nodes on a face
+    depend on the face alone.
     """
     last = 1 - equispaced.sum(axis=1, keepdims=True)
     index = np.rint(order * np.column_stack([equispaced, last])).astype(int)
@@ -71,7 +71,7 @@ def _monomials(points: Floats, order: int) -> Floats:
 def structured_mesh(
     shape: Shape, breaks: Breaks, order: int, edges: Sequence[Edge] = (), layers: int = 0
 ) -> Mesh:
-    """Mesh a shape with one cell between each two breaks, and layers around edges."""
+    """Mesh a shape with one cell between neighbouring breaks, and layers at edges."""
     check_breaks(shape, breaks)
     dim = len(shape.directions)
     blocks, faces = _blocks(shape, breaks, order)
@@ -106,7 +106,7 @@ def _cells(nodes: Ints, order: int) -> Ints:
 def _blocks(shape: Shape, breaks: Breaks, order: int) -> tuple[list[Floats], Faces]:
     """Nodes (m) on the lattice of each block of a shape, (n1, ..., dim), and its named faces.
 
-    Inner nodes of a ring, too, lie on the circle of their lattice line.
+    Inner nodes of a ring also lie on the circle of their lattice line.
     """
     if isinstance(shape, Disc):
         flat, faces = _disc(shape, breaks, order)
@@ -134,7 +134,7 @@ def _arcs(radii: Floats, angles: Floats, order: int) -> Floats:
 
 
 def _extruded(plane: Floats, heights: Sequence[Floats], order: int) -> Floats:
-    """A block of the plane between heights, or as it is where there are none."""
+    """Extrude a plane block between heights; return it unchanged if there are none."""
     for line in heights:
         z = _divided(line, order)
         points = np.empty((*plane.shape[:2], len(z), 3))
@@ -146,17 +146,18 @@ def _extruded(plane: Floats, heights: Sequence[Floats], order: int) -> Floats:
 def _disc(shape: Disc, breaks: Breaks, order: int) -> tuple[list[Floats], Faces]:
     """Blocks of a disc in the plane: a square in its middle, and four from its sides to the rim.
 
-    The corners of the square lie on the circle of the break nearest to half the radius. It is
-    divided as its quarters are and takes the place of the breaks along r inside that circle; beyond
-    it the lattice lines pass over from the straight to the round. Parallel edges run the same way
-    in all blocks.
+    The corners of the square lie on the circle of the break nearest to half the radius. The square
+    is divided like the quarters, and replaces the breaks along r inside that circle; outside of it
+    lattice lines change from straight to round. Parallel edges run the same way in all blocks.
     """
     radii, angles = breaks[0], breaks[1]
-    require(len(radii) > 2, "breaks of r", radii, "two elements at least, one of them the square")
+    require(
+        len(radii) > 2, "breaks of r", radii, "at least two elements, of which one is the square"
+    )
     quarter = np.searchsorted(angles, np.array([0.0, 90.0, 180.0, 270.0, 360.0]) - 1e-9)
     sides = np.diff(quarter)
     matching = sides[0] == sides[2] and sides[1] == sides[3]
-    allowed = "as many in a quarter of a disc as in that across"
+    allowed = "as many in a quarter of a disc as in the opposite one"
     require(bool(matching), "breaks of theta", angles, allowed)
     core = 1 + int(np.abs(radii[1:-1] - shape.outer_radius / 2).argmin())
     corner = radii[core]
@@ -169,7 +170,7 @@ def _disc(shape: Disc, breaks: Breaks, order: int) -> tuple[list[Floats], Faces]
         shares.append((line - line[0]) / (line[-1] - line[0]))
     below, above = shares[0][:, None], 1 - shares[2][::-1, None]
     left, right = 1 - shares[3][::-1], shares[1]
-    # Where the line from side 0 to side 2 crosses that from side 1 to side 3.
+    # Intersection of the line from side 0 to side 2 with that from side 1 to side 3.
     du, dv = above - below, right - left
     u = (below + left * du) / (1 - du * dv)
     v = left + u * dv
@@ -191,7 +192,7 @@ _SIMPLEX: dict[Cell, Cell] = {"quadrilateral": "triangle", "hexahedron": "tetrah
 def divided(mesh: Mesh) -> Mesh:
     """Divide quadrilaterals into two triangles or hexahedra into six tetrahedra on their nodes.
 
-    Parallel edges run the same way in all cells: so neighbours divide their common face alike.
+    Parallel edges run the same way in all cells, so that neighbours divide their face alike.
     """
     require(mesh.cell in _SIMPLEX, "cell", mesh.cell, f"one of {', '.join(_SIMPLEX)}")
     cells, surfaces = _split(mesh.cells, mesh.dim, mesh.order), mesh.surfaces

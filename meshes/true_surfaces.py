@@ -1,8 +1,8 @@
-"""Surfaces of the shapes as they are, beside facets that interpolate them.
+"""Exact surfaces of the shapes, which facets only interpolate.
 
-Facets of a round face leave it between their nodes, by h^2 / (8 R) where they are straight. What
-contact takes for the gap between two bodies must be that of the shapes: closures of stiff contacts
-are far smaller than the distance of facets.
+Facets of a round face deviate from it between their nodes, straight ones by h^2 / (8 R). Contact
+must use the gap between the exact surfaces: closures of stiff contacts are far smaller than the
+deviation of facets.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,21 +16,21 @@ from meshes.placement import IN_PLACE, Placement
 from meshes.shapes import MeshFile, NurbsFile, Patches, Shape, VentilatedDisc, round_surfaces
 
 Height = Callable[[Floats], tuple[Floats, Floats]]
-"""Height of points above a surface (n,), which is zero on it, and its gradient (n, dim)."""
+"""Function of points (n, dim): height above a surface (n,), and its gradient (n, dim)."""
 
 _STEPS = 20
-"""Steps of Newton's method, at most; three or four are taken."""
+"""Largest number of Newton steps; three or four are usual."""
 
 
 @dataclass(frozen=True)
 class TrueSurface:
-    """Where the height above a placed surface is zero; None where facets lie on it: it is flat."""
+    """Placed surface on which ``height`` is zero; None if it is flat, so that facets lie on it."""
 
     height: Height | None
     placement: Placement
 
     def distance(self, x: Floats, direction: Floats) -> Floats:
-        """Where lines meet the surface, by Newton's method, shape (n,)."""
+        """Distance along lines to the surface, by Newton's method, shape (n,)."""
         distance = np.zeros(len(x))
         if self.height is None:
             return distance
@@ -45,7 +45,7 @@ class TrueSurface:
         return distance
 
     def normal(self, x: Floats, near: Floats) -> Floats:
-        """Unit normals to the side of given ones, those of facets, shape (n, dim)."""
+        """Unit normals, oriented as the normals ``near`` of facets, shape (n, dim)."""
         if self.height is None:
             return near
         gradient = self.height(self._back(x))[1] @ self._rotation(x).T
@@ -61,7 +61,7 @@ class TrueSurface:
 
 
 def true_surfaces(shape: Shape, placement: Placement = IN_PLACE) -> dict[str, TrueSurface]:
-    """Surfaces of a shape by name; none of a mesh file: what it interpolates is unknown."""
+    """Exact surfaces of a shape by name; none of mesh files, NURBS files and patches."""
     if isinstance(shape, MeshFile | NurbsFile | Patches):
         return {}
     base = shape.base if isinstance(shape, Crowned) else shape

@@ -1,4 +1,4 @@
-"""Unstructured meshes by gmsh: outlines in the plane, what they sweep, and ventilated discs."""
+"""Unstructured meshes by gmsh: plane outlines, swept outlines, and ventilated discs."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -29,21 +29,21 @@ from meshes.structured import simplex_changes
 from meshes.true_surfaces import true_surfaces
 
 _AROUND = 12
-"""Elements around each hole, at least."""
+"""Least number of elements around each hole."""
 _CORNER = 0.4
-"""Size of elements at the re-entrant corners of the hat, relative to that asked for: stresses are
-singular there, and all modes bend them."""
+"""Size of elements at the re-entrant corners of the hat, relative to the target size: stresses are
+singular there, and all modes bend the corners."""
 _GROWTH = 0.3
-"""Increase of the size of elements with the distance from what needs small ones."""
+"""Increase of the size of elements per distance from features that need small ones."""
 _SAME = 1e-6
-"""Distance within which faces are found at the places where they were built, relative."""
+"""Distance, relative to the outer radius, below which a face lies on a surface."""
 
 
 @contextmanager
 def gmsh_session() -> Iterator[None]:
     """Start gmsh, silent and on one thread, and end it when the block is left."""
     if gmsh.isInitialized():
-        raise RuntimeError("gmsh is in use already: end it before the next mesh")
+        raise RuntimeError("gmsh is already in use: call gmsh.finalize() before the next mesh")
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     ignore_closed_pipes()
     try:
@@ -91,16 +91,18 @@ def _generate(dim: int, order: int, size: float) -> None:
     gmsh.model.mesh.generate(dim)
     if order > 1:
         # Nodes on arcs are put on them exactly. A cell with two facets on one circle is flat along
-        # their common edge: the optimiser moves what such cells share.
+        # their common edge: the optimiser moves the nodes that such cells share.
         gmsh.model.mesh.setOrder(order)
         gmsh.model.mesh.optimize("HighOrder")
         (cells,) = gmsh.model.mesh.getElements(dim)[1]
         if gmsh.model.mesh.getElementQualities(cells, "minSJ").min() <= 0:
-            raise InputError("size", size, "less (m): curved cells of that size are inverted")
+            raise InputError(
+                "size", size, "a smaller size (m): curved cells of this size are inverted"
+            )
 
 
 def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:
-    """Mesh whose cells meet the circles at Gauss-Lobatto points rather than at their nodes."""
+    """Mesh whose cells interpolate circles at Gauss-Lobatto points instead of their nodes."""
     to_lobatto, back = simplex_changes(reference_nodes(mesh.cell, mesh.order), mesh.order)
     radius = np.zeros(len(mesh.points))
     for name, value in round_surfaces(shape).items():
@@ -116,8 +118,8 @@ def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:
 
 
 def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
-    """Hub and ring in the current model, a profile turned about z; entities of each surface."""
-    profile = {  # a hub that ends flush with the ring has no side there: of two corners one stands
+    """Add hub and ring, a profile revolved about z, to the model; return faces by surface."""
+    profile = {  # a hub that ends flush with the ring has no side there: equal corners are one key
         (shape.bore, shape.hub_bottom): "hub_bottom",
         (shape.hub_radius, shape.hub_bottom): "hub_side",
         (shape.hub_radius, shape.bottom): "bottom",
@@ -129,7 +131,7 @@ def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
     }
     swept = _revolved(list(profile))
     gmsh.model.occ.synchronize()
-    _, _, *walls = swept  # the profile itself again, the volume, then what its edges sweep
+    _, _, *walls = swept  # the profile, the volume, then the walls swept by its edges
     surfaces: dict[str, list[int]] = {name: [] for name in shape.surfaces}
     for name, (_, tag) in zip(profile.values(), walls, strict=True):
         surfaces[name].append(tag)
@@ -141,7 +143,7 @@ _Edge = tuple[str, tuple[float, float], bool]
 
 
 def _extruded(shape: Shape) -> dict[str, list[int]]:
-    """Outline of a shape in the current model, swept along z in space; entities by surface."""
+    """Add the outline of a shape to the model, extruded in space; return entities by surface."""
     low, high = shape.extent[2] if len(shape.directions) == 3 else (0.0, 0.0)
     loops = _loops(shape)
     geo = gmsh.model.geo
@@ -201,7 +203,7 @@ def _loops(shape: Shape) -> list[list[_Edge]]:
 
 
 def _ventilated_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
-    """Make the disc one solid in the current model."""
+    """Add the disc to the model as one solid; return faces by surface."""
     occ = gmsh.model.occ
     profile = [
         (shape.bore, shape.hub_bottom),
@@ -220,7 +222,7 @@ def _ventilated_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
 
     lower, upper = _revolved(profile)[1], ring(shape.upper_bottom, shape.upper_top)
     bottom, width = shape.ring_height, shape.vane_width
-    boxes = []  # about the rays of the vanes, as far as the ring between the rings reaches
+    boxes = []  # around the rays of the vanes, cut to the space between the rings below
     for angle in shape.vane_angles:
         box = occ.addBox(0, -width / 2, bottom, 2 * outer, width, shape.upper_bottom - bottom)
         occ.rotate([(3, box)], 0, 0, 0, 0, 0, 1, angle)
@@ -239,11 +241,11 @@ def _ventilated_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
 
 
 def _refine(shape: VentilatedDisc, size: float) -> None:
-    """Bound the sizes of elements of the current model where features need it.
+    """Limit the sizes of elements of the current model near features.
 
-    Elements are no longer than the wall of the hat is thick, and no fewer than twelve go round a
-    hole, whatever ``size`` (m); at the corners where the wall meets flange and plate they are a
-    part of ``size``. Away from there they grow to it.
+    Near the wall of the hat elements are no longer than its thickness, and at least twelve go
+    around a hole, whatever ``size`` (m); at the corners where the wall meets flange and plate they
+    are a fraction of ``size``. Away from there they grow to ``size``.
     """
     middle = (shape.wall_inner + shape.wall_outer) / 2
     thickness = shape.wall_outer - shape.wall_inner
@@ -265,7 +267,7 @@ def _refine(shape: VentilatedDisc, size: float) -> None:
 
 
 def _revolved(profile: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:
-    """What a profile of corners (r, z) sweeps about the z axis: itself, a solid, its walls."""
+    """Revolve a profile of corners (r, z) about z; return the profile, the solid, its walls."""
     occ = gmsh.model.occ
     points = [occ.addPoint(r, 0, z) for r, z in profile]
     following = points[1:] + points[:1]
@@ -277,7 +279,7 @@ def _revolved(profile: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:
 
 
 def _faces_of_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
-    """Faces by surface, found by points of theirs."""
+    """Faces of the model by surface, identified by sample points."""
     levels = {"lower_face": 0.0, "upper_face": shape.upper_top, "hub_top": shape.hub_top}
     found: dict[str, list[int]] = {name: [] for name in shape.surfaces}
     for _, tag in gmsh.model.getEntities(2):

@@ -123,7 +123,7 @@ class VentilatedDisc:
 
     @property
     def lengths(self) -> tuple[float, float, float]:
-        """Lengths (m) of a plate of its volume that stands for it: as thick as the lower ring."""
+        """Lengths (m) of an equivalent plate: of its volume, as thick as the lower ring."""
         around = pi * (self.outer_radius + self.wall_inner)
         return self.volume / (around * self.ring_height), around, self.ring_height
 
@@ -131,7 +131,7 @@ class VentilatedDisc:
 MAX_CURVED = 2
 """Highest order of its curved cells."""
 _MOST = 200
-"""Holes and vanes, so many at most."""
+"""Largest number of holes, and of vanes."""
 
 
 def _all_round(count: int, start: float) -> tuple[float, ...]:
@@ -144,6 +144,6 @@ def _ring(inner: float, outer: float) -> float:
 
 
 def _strip(radius: float, width: float) -> float:
-    """Area of that part of a half disc that lies within half a width of its middle ray."""
+    """Area of the part of a half disc within half a width of its middle ray."""
     half = width / 2
     return half * sqrt(radius**2 - half**2) + radius**2 * asin(half / radius)

@@ -1,6 +1,6 @@
 """The command line ``cea``: its commands, each a function that imports what it uses.
 
-Many ranks have one voice: rank 0 speaks, and a fault on any rank ends them all.
+In parallel runs only rank 0 prints, and an error on any rank ends all of them.
 """
 
 import errno
@@ -23,18 +23,18 @@ from comparisons.cli.options import PLAIN, LazyGroup, MissingExtraError
 
 COMMANDS = {
     "run": ("run:run", "Run one scene and write its result.json."),
-    "converge": ("sweep:converge", "Refine a scene until its modes hold the digits asked for."),
+    "converge": ("sweep:converge", "Refine a scene until its modes meet the target tolerance."),
     "solve": ("run:solve", "Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."),
-    "sweep": ("sweep:sweep", "Follow the modes of a scene along its fields: what grows where."),
+    "sweep": ("sweep:sweep", "Follow the modes of a scene along its fields: which grow where."),
     "threshold": ("sweep:threshold", "Find where flutter begins and ends along a field."),
     "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),
-    "paper": ("study:paper", "Make figures of the paper, and judge its claims."),
-    "bench": ("study:bench", "Time and memory beside other programs and methods."),
-    "scene": ("scene:app", "Look at scenes without running them."),
+    "paper": ("study:paper", "Make figures of the paper and check its claims."),
+    "bench": ("study:bench", "Compare time and memory with other programs and methods."),
+    "scene": ("scene:app", "Check, list and export scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
-    "doctor": ("app:doctor", "Tell whether this installation works, and what mends it."),
+    "doctor": ("app:doctor", "Check whether this installation works, and how to repair it."),
 }
-"""Place of each command below this package, and its help."""
+"""Module and function of each command below this package, and its help text."""
 RENAMED = {
     "accuracy": "study accuracy",
     "brake": "study brake",
@@ -49,23 +49,23 @@ RENAMED = {
     "race": "bench matrices",
     "reference": "converge disc_pad",
 }
-"""Commands under the names that they had, and what they are called now."""
+"""Old names of commands, and their current names."""
 
 
 class _Commands(LazyGroup):
-    """All commands, whose help needs no pydantic: typer asks it what ``--help`` not given means."""
+    """All commands; ``--help`` has a default, for which typer would otherwise import pydantic."""
 
     table = COMMANDS
 
     def get_help_option(self, ctx: Any) -> Any:
-        """The option ``--help``, no by default."""
+        """The option ``--help``, False by default."""
         option = super().get_help_option(ctx)
         if option is not None:
             option.default = False
         return option
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Arguments of a command, none of which is empty: an empty path would mean this folder."""
+        """Parse arguments; refuse empty ones, since an empty path would mean the current folder."""
         for before, given in zip(["", *args], args, strict=False):
             name, equals, value = given.partition("=")
             if not given or (name.startswith("--") and equals and not value):
@@ -74,13 +74,13 @@ class _Commands(LazyGroup):
         return super().parse_args(ctx, args)
 
     def get_command(self, ctx: Any, name: str) -> Any:
-        """A command; old names end by telling the new one."""
+        """A command; an old name is refused with the current one."""
         if name in RENAMED:
             raise InputError("command", name, f"its new name: cea {RENAMED[name]}")
         return super().get_command(ctx, name)
 
     def make(self, name: str) -> Any:
-        """A command, imported now."""
+        """Import a command."""
         module, _, attribute = self.table[name][0].partition(":")
         return getattr(import_module(f"comparisons.cli.{module}"), attribute)
 
@@ -97,7 +97,7 @@ def _tell_version(wanted: bool) -> None:
 @app.callback()
 def _command(
     version: Annotated[
-        bool, Option("--version", callback=_tell_version, is_eager=True, help="Tell the version.")
+        bool, Option("--version", callback=_tell_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     """Friction-induced flutter by complex eigenvalue analysis."""
@@ -105,31 +105,31 @@ def _command(
 
 def main() -> None:
     """Run a command; wrong input and failed convergence end in one line, not a traceback."""
-    # Products of small matrices lose by threads, many times over on a machine that is busy.
+    # Threads slow down products of small matrices, by large factors on a busy machine.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="replace")  # signs that none can show end no run
+            stream.reconfigure(errors="replace")  # characters that cannot be shown end no run
     with one_voice(launched_together()):
         app(standalone_mode=True)
 
 
 _EXPECTED = (InputError, ConvergenceError, WriteError, MissingExtraError)
-"""Faults told in a line each, as those of scenes are; any other is told with its traceback."""
+"""Errors printed in one line each, as those of scenes are; others come with a traceback."""
 
 _OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EPIPE)
-"""Faults of what output goes to, a full disk or a program that has ended."""
+"""System errors of writing: a full disk, a file that is too large, a closed pipe."""
 
-_PATIENCE = 5.0  # seconds that a rank with a fault gives the others to meet the same one
+_PATIENCE = 5.0  # seconds that a failing rank waits for the others to fail too
 
 _LAUNCHERS = ("PMI_", "PMIX_", "PMI2_", "OMPI_", "MPI_LOCAL", "MV2_", "SLURM_", "PALS_", "FLUX_")
-"""Beginnings of the environment variables by which launchers tell a process its rank."""
+"""Prefixes of environment variables in which MPI launchers pass the rank of a process."""
 
 
 def launched_together() -> Any:
-    """The communicator of all ranks where a launcher began this process, else None.
+    """The communicator of all ranks if a launcher started this process, else None.
 
-    MPI takes longer to begin than many a command takes: a process alone leaves it until it is used.
+    Starting MPI takes longer than many commands: a single process starts it when it is used.
     """
     if not any(name.startswith(_LAUNCHERS) for name in os.environ):
         return None
@@ -140,12 +140,12 @@ def launched_together() -> Any:
 
 @contextmanager
 def one_voice(comm: Any) -> Iterator[None]:
-    """Let rank 0 print; a fault inside ends the program on every rank, told once.
+    """Let only rank 0 print; an error inside ends the program on every rank, and is printed once.
 
-    A fault that all ranks meet is told by rank 0. Where others run on, they may wait for this rank
-    for ever: then it tells its fault itself and aborts them.
+    Rank 0 prints an error that all ranks raise. If others run on, they may wait for the failing
+    rank for ever: then it prints its error itself and aborts them.
     """
-    meeting = comm and comm.Dup()  # a meeting of ranks must not match messages of their work
+    meeting = comm and comm.Dup()  # the barrier must not match messages of the computation
     try:
         with ExitStack() as silence:
             if comm and comm.rank > 0:
@@ -163,7 +163,7 @@ def one_voice(comm: Any) -> Iterator[None]:
 
 
 def _told(error: Exception) -> str:
-    refusals = sys.modules.get("scenes.spec.problems")  # only what has read scenes refuses one
+    refusals = sys.modules.get("scenes.spec.problems")  # imported if a scene was read
     if isinstance(error, (*_EXPECTED, *([refusals.SceneError] if refusals else []))):
         return "".join(f"error: {line}\n" for line in str(error).splitlines())
     if isinstance(error, OSError) and error.errno in _OUTPUT:
@@ -176,7 +176,7 @@ def _told(error: Exception) -> str:
 def _tell(fault: str) -> None:
     try:
         sys.stdout.flush()
-    except OSError:  # what is left must not be tried again as the program ends
+    except OSError:  # the rest of the output must not be written again at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.stderr.write(fault)
     sys.stderr.flush()
@@ -193,7 +193,7 @@ def _all_arrive(comm: Any) -> bool:
 
 
 def doctor() -> None:
-    """Tell whether this installation works, and what mends it; code 1 where it does not."""
+    """Check whether this installation works, and how to repair it; exit code 1 if it does not."""
     from comparisons.doctor import examine
 
     faults = 0
@@ -202,7 +202,7 @@ def doctor() -> None:
         typer.echo(f"{mark}  {finding.name}: {finding.told}")
         if finding.mend is not None:
             faults += 1
-            typer.echo(f"       mend it: {finding.mend}")
+            typer.echo(f"       to repair it: {finding.mend}")
     typer.echo("all is well" if not faults else f"faults: {faults}")
     if faults:
         raise typer.Exit(1)

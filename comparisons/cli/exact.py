@@ -1,6 +1,6 @@
 """The command line ``cea exact``: reference eigenvalues for any parameters.
 
-Options are the parameters of the problems of :mod:`exact_cea`, as texts, which keep all digits.
+Options are the parameters of the problems of :mod:`exact_cea`, read as text to keep all digits.
 """
 
 import inspect
@@ -21,13 +21,17 @@ if TYPE_CHECKING:
 Options = Mapping[str, tuple[Any, Any, str]]
 """Type, default and help of options by name."""
 _LIST: Options = {
-    "max_frequency": (float | None, None, "List all eigenvalues with Im up to this, Re to half."),
-    "count": (int | None, None, "Or: list so many, lowest first."),
+    "max_frequency": (
+        float | None,
+        None,
+        "List all eigenvalues: Im up to this, Re up to half of it.",
+    ),
+    "count": (int | None, None, "Or: list this many, lowest first."),
 }
 _FRICTION: Options = {
     "mu0": (str | None, None, "Friction mu0 sin(pi x / length) [0.3]."),
-    "mu": (str | None, None, "Constant friction coefficient, in the place of mu0."),
-    "thresholds": (bool, False, "Instead: exceptional points up to mu0."),
+    "mu": (str | None, None, "Constant friction coefficient instead of mu0."),
+    "thresholds": (bool, False, "List exceptional points up to mu0 instead."),
 }
 _MU: Options = {"mu": (str, "0.3", "Friction coefficient.")}
 _JSON: Options = {"json": (Path | None, None, "File for the entries.")}
@@ -94,7 +98,7 @@ _PROBLEMS = {
         (_hulten, "lumped:hulten", _MU),
     )
 }
-"""What makes entries of each problem, its place below exact_cea and more options; its help."""
+"""Function that makes entries of each problem, its place below exact_cea, options; help text."""
 
 
 class _Problems(LazyGroup):
@@ -103,7 +107,7 @@ class _Problems(LazyGroup):
     table = _PROBLEMS
 
     def make(self, name: str) -> Any:
-        """Command of a problem."""
+        """The command of a problem."""
         need("exact")
         (make, place, more), _ = self.table[name]
         module, _, attribute = place.partition(":")
@@ -122,9 +126,9 @@ class _Problems(LazyGroup):
 
 
 def _own_options(problem: Any) -> dict[str, tuple[Any, Any, str]]:
-    """Options of the parameters of a problem that are annotated with their help.
+    """Options for the parameters of a problem that are annotated with a help text.
 
-    A material has one for each of its numbers.
+    A material gives one option for each of its numbers.
     """
     from exact_cea.material import Material
 
@@ -145,7 +149,7 @@ def _own_options(problem: Any) -> dict[str, tuple[Any, Any, str]]:
 
 
 def _parameters(problem: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters of a problem but for orders m, as they were given; its materials made."""
+    """Given parameters of a problem except the orders m, with its materials constructed."""
     from exact_cea.material import Material
 
     names = inspect.signature(problem).parameters.keys()
@@ -169,7 +173,7 @@ _NOT_IN_LINE = (
     *("lam", "lam_contact_free", "digits_each"),
     *("M", "C", "K", "window", "a", "b", "sizes"),
 )
-"""What an entry holds beside what its first line shows."""
+"""Keys of an entry that its first line does not show."""
 
 
 def _deliver(found: "list[Entry]", file: Path | None) -> None:

@@ -1,4 +1,4 @@
-"""Options that several commands share, and what commands do with them."""
+"""Options that several commands share, and functions that handle them."""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
@@ -20,32 +20,32 @@ if TYPE_CHECKING:
 Backend = Literal["fe", "iga"]
 
 SceneName = Annotated[str, Argument(help="TOML file, or the name of a scene.")]
-Settings = Annotated[list[str] | None, Option("--set", help="E.g. contacts.pad_disc.mu=0.3")]
+Settings = Annotated[list[str] | None, Option("--set", help="Set, e.g., contacts.pad_disc.mu=0.3")]
 OnBackend = Annotated[Backend | None, Option(help="Backend for every body.")]
 Data = Annotated[str | None, Option(help="Folder of the files that a scene of matrices names.")]
 Out = Annotated[Path, Option(help="Folder of the result.")]
-Redraw = Annotated[bool, Option("--redraw", help="Draw the result in --out anew, run nothing.")]
-Anew = Annotated[bool, Option("--anew", help="Run every case, also those that are stored.")]
+Redraw = Annotated[bool, Option("--redraw", help="Redraw the result in --out, run nothing.")]
+Anew = Annotated[bool, Option("--anew", help="Run every case, also stored ones.")]
 
 PLAIN: Mapping[str, Any] = {"add_completion": False, "rich_markup_mode": None}
-"""Options of every group: help in colours takes as long as all else that `cea --help` does."""
+"""Options of every group; coloured help would double the time of `cea --help`."""
 
 _MODULES = {
     "pictures": ("matplotlib", "PIL", "plotly", "pyvista"),
     "maps": ("h5netcdf", "xarray"),
     "exact": ("flint",),
 }
-"""Modules that each extra of `pyproject.toml` brings."""
+"""Modules that each extra of `pyproject.toml` installs."""
 
 
 class LazyGroup(TyperGroup):
-    """Commands that are made when they are called, and told without being made."""
+    """Commands that are made when they are called, and listed without being made."""
 
     table: Mapping[str, tuple[Any, str]] = {}
-    """What makes each command by its name, and its help."""
+    """Specification of each command by its name, and its help text."""
 
     def make(self, name: str) -> Any:
-        """A command: a function, a group of Typer, or one of click."""
+        """Return a command: a function, a group of Typer, or one of click."""
         raise NotImplementedError
 
     def list_commands(self, ctx: Any) -> list[str]:
@@ -53,7 +53,7 @@ class LazyGroup(TyperGroup):
         return list(self.table)
 
     def get_command(self, ctx: Any, name: str) -> Any:
-        """A command, made now."""
+        """Make a command; None if there is none of this name."""
         if name not in self.table:
             return None
         made = self.make(name)
@@ -70,7 +70,7 @@ class LazyGroup(TyperGroup):
 
 
 def group(text: str, cls: type[TyperGroup] = TyperGroup) -> typer.Typer:
-    """A group of commands, with its help."""
+    """Return a group of commands with a help text."""
     made = typer.Typer(cls=cls, no_args_is_help=True, help=text, **PLAIN)
     made.callback()(lambda: None)
     return made
@@ -81,9 +81,9 @@ class MissingExtraError(Exception):
 
 
 def need(*extras: str) -> None:
-    """Refuse to begin without what extras bring, with the command that installs them.
+    """Raise an error with the command that installs them if extras are not installed.
 
-    Names are ``pictures``, ``maps`` and ``exact``.
+    Extras are ``pictures``, ``maps`` and ``exact``.
     """
     for extra in extras:
         missing = [module for module in _MODULES[extra] if find_spec(module) is None]
@@ -97,7 +97,7 @@ def need(*extras: str) -> None:
 def command_with(
     call: Callable[..., None], options: Mapping[str, tuple[Any, Any, str]], name: str | None = None
 ) -> Any:
-    """A command with an option for each name: its type, default and help."""
+    """Return a command with an option for each name: its type, default and help."""
     one, parameters = typer.Typer(**PLAIN), []
     for option, (kind, default, text) in options.items():
         given = Option(default, f"--{option.replace('_', '-')}", help=text)
@@ -110,19 +110,19 @@ def command_with(
 
 
 def refuse(given: Mapping[str, Any], why: str) -> None:
-    """Refuse the first of some options that was given: those that were not are empty or None."""
+    """Refuse the first option that was given; those not given are empty or None."""
     for name, value in given.items():
         require(not value, name, value, f"left out {why}")
 
 
 def refuse_with_redraw(redraw: bool, options: Mapping[str, Any]) -> None:
-    """Refuse options of a run where a stored result is drawn."""
+    """Refuse options of a run if a stored result is only redrawn."""
     if redraw:
         refuse(options, "with --redraw, which runs nothing")
 
 
 def refuse_another(given: Mapping[str, Any], stored: Mapping[str, Any]) -> None:
-    """Refuse to draw a stored result as another one: what was asked for, and its inputs."""
+    """Refuse to redraw a stored result whose inputs differ from the given options."""
     for name, value in given.items():
         allowed = f"{stored.get(name)!r}, as the stored result has it"
         require(value == stored.get(name), name, value, allowed)
@@ -131,7 +131,7 @@ def refuse_another(given: Mapping[str, Any], stored: Mapping[str, Any]) -> None:
 def load(
     scene: str, overrides: Sequence[str] | None, backend: Backend | None, data: str | None
 ) -> "Scene | MatrixScene":
-    """A scene of bodies or of matrices, as its file has it; an option of the other is refused."""
+    """Load a scene of bodies or of matrices; refuse options of the other kind."""
     from scenes.spec.plain import is_of_matrices
 
     if is_of_matrices(scene):
@@ -146,14 +146,14 @@ def load(
 
 
 def with_backend(scene: str, overrides: Sequence[str], backend: Backend | None) -> tuple[str, ...]:
-    """Overrides that put every body of a scene on one backend, behind others."""
+    """Overrides, followed by those that set the backend of every body of a scene."""
     chosen = None if backend is None else load(scene, overrides, backend, None)
     bodies = getattr(chosen, "bodies", ())
     return (*overrides, *(f'bodies.{name}.backend="{backend}"' for name in bodies))
 
 
 def deliver(write: Callable[[Path], Path], out: Path) -> Path:
-    """Fill a new folder that takes the place of an earlier result; the file to open."""
+    """Write a new folder that replaces an earlier result; return the file to open."""
     from cea.petsc import MPI
     from scenes.results.folder import new_folder
 

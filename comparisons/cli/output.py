@@ -1,4 +1,4 @@
-"""What commands print: progress, tables, results."""
+"""Output of commands: progress, tables, results."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -25,22 +25,22 @@ _COLOURS = {"unstable": "bold red", "grows slowly": "red", "undecided": "yellow"
 _NEEDED = 4  # columns that are never left out
 
 Column = tuple[str, Sequence[str], bool]
-"""Heading, texts, and whether they are numbers, which are never wrapped."""
+"""Heading, texts of cells, and whether they are numbers, which are never wrapped."""
 
 
 class Working:
-    """Work that goes on, a line of what is shown."""
+    """Progress line of a block of work."""
 
     def __init__(self, shown: "Progress", task: "TaskID") -> None:
         self._shown, self._task, self._step = shown, task, ""
 
     def stage(self, name: str) -> None:
-        """Name what is being done within a step."""
+        """Show the name of a stage of the current step."""
         words = f"{self._step}: {name}" if self._step else name
         self._shown.update(self._task, description=words)
 
     def step(self, name: str) -> None:
-        """Begin a step; the one before it, if any, is done."""
+        """Begin a step, and count the one before it, if any, as done."""
         if self._step:
             self._shown.advance(self._task)
         self._step = name
@@ -49,7 +49,7 @@ class Working:
 
 @contextmanager
 def working(title: str, *, steps: int | None = None, to: Console = console) -> Iterator[Working]:
-    """Show on a terminal how far a block of work is: time gone, and left where steps are known."""
+    """Show the progress of a block on a terminal: time elapsed, and left if ``steps`` are known."""
     from rich import progress
 
     columns = [progress.SpinnerColumn(), progress.TextColumn("{task.description}", markup=False)]
@@ -63,7 +63,7 @@ def working(title: str, *, steps: int | None = None, to: Console = console) -> I
 
 
 def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None:
-    """Print a table of a study, whose frame is made of a result."""
+    """Print a table of a study, made from a result."""
     from comparisons.study.page import table_cells
     from comparisons.study.sections import rows
 
@@ -78,7 +78,7 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
 
 
 def print_result(result: "Result", to: Console = console, *, explain: bool = False) -> None:
-    """Print what a run found: first how many modes are unstable, last what it left out."""
+    """Print the result of a run: number of unstable modes, modes, warnings, what it left out."""
     if result.spectrum is None:
         say(to, str(result))
     else:
@@ -90,7 +90,7 @@ def print_result(result: "Result", to: Console = console, *, explain: bool = Fal
 def print_skipped(
     skipped: Mapping[str, str], to: Console = console, *, explain: bool = False
 ) -> None:
-    """Print what a run leaves out, and what is given without use: names, or the reasons too."""
+    """Print what a run leaves out and which fields it does not use; reasons if ``explain``."""
     from scenes.checking.skipped import CHANGED, GIVEN
 
     labels = {GIVEN: "given, not used", CHANGED: "changed on reading"}
@@ -106,7 +106,7 @@ def print_skipped(
 
 
 def print_warnings(warnings: Iterable[Mapping[str, Any]], to: Console = console) -> None:
-    """Print what a result must be read with: warnings as a record has them."""
+    """Print warnings in the form in which records store them."""
     for warning in warnings:
         say(to, f"warning ({warning['kind']}): {warning['message']}", "yellow")
 
@@ -117,7 +117,7 @@ def say(to: Console, text: str, style: str | None = None) -> None:
 
 
 def _print_modes(result: "Result", to: Console) -> None:
-    """Print the verdict, the unstable modes, all modes, and why they are all."""
+    """Print the verdict, the unstable modes, all modes, and the evidence that none is missing."""
     from cea.mode_table import MARKS, SIGNS, TITLES, shown_cells
 
     rows = result.table()
@@ -150,9 +150,9 @@ def print_columns(
     styles: Sequence[str] = (),
     title: str = "",
 ) -> None:
-    """Print a table; on a terminal its last columns are left out where it has no room for them.
+    """Print a table; on a terminal, leave out last columns that do not fit.
 
-    Text is wrapped at words, numbers are not; the file is the one that holds all columns.
+    Text is wrapped at words, numbers are not; ``file`` is named as the one with all columns.
     """
     sizes, count = [_sizes(*column) for column in columns], len(columns)
     free = to.width - _least(sizes)
@@ -178,12 +178,12 @@ def print_columns(
 
 
 def _sizes(heading: str, cells: Sequence[str], number: bool) -> tuple[int, int]:
-    """Width of a column whose text is wrapped at every word, numbers are not; and unwrapped."""
+    """Least width of a column, with text wrapped at every word, and its unwrapped width."""
     words = cells if number else [word for cell in cells for word in cell.split()]
     least = max([1, *map(cell_len, words), *map(cell_len, heading.split())])
     return least, least if number else max(least, cell_len(heading), *map(cell_len, cells))
 
 
 def _least(sizes: Sequence[tuple[int, int]]) -> int:
-    """Width of a table of columns of their least widths, with the blanks between them."""
+    """Least width of a table, with the blanks between columns."""
     return sum(least + 2 for least, _ in sizes) + 1

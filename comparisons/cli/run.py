@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from scenes.spec.matrices import MatrixScene
     from scenes.spec.reading import OutputSpec, Scene
 
-_Overwrite = Annotated[bool, Option("--overwrite", help="Let go of another scene's result there.")]
+_Overwrite = Annotated[bool, Option("--overwrite", help="Replace the result of another scene.")]
 _Report = Annotated[bool, Option("--report", help="Write report.html too.")]
 
 
@@ -30,7 +30,7 @@ def run(
     ] = None,
     overwrite: _Overwrite = False,
     report: _Report = False,
-    explain: Annotated[bool, Option("--explain", help="Tell why each thing was left out.")] = False,
+    explain: Annotated[bool, Option("--explain", help="Print why each part was left out.")] = False,
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.output import working
@@ -48,14 +48,14 @@ def run(
 
 def solve(
     mass: Annotated[str, Option(help="File of M: .mat, .mtx, .mtx.gz, .npz, PETSc binary.")],
-    stiffness: Annotated[str, Option(help="File of K, FILE.mat:NAME where it holds more.")],
+    stiffness: Annotated[str, Option(help="File of K; FILE.mat:NAME if it holds several.")],
     max_frequency: Annotated[float, Option(help="Upper end of the window (Hz).")],
-    damping: Annotated[str | None, Option(help="File of C, gyroscopic parts too.")] = None,
-    symmetric: Annotated[bool | None, Option(help="Mirror files of one triangle.")] = None,
+    damping: Annotated[str | None, Option(help="File of C, with gyroscopic terms.")] = None,
+    symmetric: Annotated[bool | None, Option(help="Mirror files that hold one triangle.")] = None,
     growth_threshold: Annotated[
-        float | None, Option(help="Growth rate (1/s) of unstable modes.")
+        float | None, Option(help="Growth rate (1/s) above which modes are unstable.")
     ] = None,
-    min_growth: Annotated[float | None, Option(help="Least growth rate (1/s) of modes.")] = None,
+    min_growth: Annotated[float | None, Option(help="Least growth rate (1/s) searched.")] = None,
     out: Out = Path("results/solve"),
     overwrite: _Overwrite = False,
     report: _Report = False,
@@ -90,7 +90,7 @@ def _run(
     report: bool,
     explain: bool = False,
 ) -> None:
-    """Run a scene, print its result, then put it in the place of an earlier one."""
+    """Run a scene, print its result, and replace an earlier one."""
     from comparisons.cli.output import console, print_result, say, working
     from scenes.results.folder import RESULT, check_run_out, new_folder
     from scenes.results.record import save_result
@@ -113,7 +113,7 @@ def _run(
 
             page = new.final(write_run_report(result, record))
     if new.kept:
-        say(console, f"not of this program, and kept: {', '.join(new.kept)}")
+        say(console, f"kept files that this program did not write: {', '.join(new.kept)}")
     typer.echo(f"{result.dofs} dofs, {result.timer.total:.2f} s; {out / RESULT}")
     if page:
         typer.echo(f"The page to open: {page}")
@@ -122,7 +122,7 @@ def _run(
 def _draw(
     result: "Result", output: "OutputSpec", folder: Path, work: "Working"
 ) -> dict[str, list[str]]:
-    """Write the pictures and files for ParaView that a scene asks for; their names."""
+    """Write the pictures and files for ParaView that a scene requests; return their names."""
     files: dict[str, list[Path]] = {}
     if output.pictures:
         from comparisons.contact_pictures import draw_contacts

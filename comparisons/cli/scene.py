@@ -11,9 +11,9 @@ from comparisons.cli.options import Data, OnBackend, Out, SceneName, Settings, g
 if TYPE_CHECKING:
     from scenes.spec.reading import Scene
 
-app = group("Look at scenes without running them; their fields, as text and for editors.")
+app = group("Check, list and export scenes without running them; describe their fields.")
 
-_File = Annotated[Path | None, Option(help="File to write instead.")]
+_File = Annotated[Path | None, Option(help="File to write instead of printing.")]
 
 
 @app.command()
@@ -25,7 +25,7 @@ def check(
     picture: Annotated[bool, Option("--picture/--no-picture", help="Draw the scene.")] = True,
     out: Out = Path("results/check"),
 ) -> None:
-    """Tell every fault of a scene, else what it would take; nothing is solved."""
+    """Report every fault of a scene, or what a run of it needs, without solving."""
     from scenes.spec.reading import Scene
 
     chosen = load(scene, set_, backend, data)
@@ -41,7 +41,7 @@ def check(
 
 
 def _check_bodies(scene: "Scene", file: Path | None) -> None:
-    """Look at a scene of bodies; faults end the command with their lines."""
+    """Inspect a scene of bodies; faults end the command, one line each."""
     from cea.files import check_writable
     from comparisons.cli.output import print_skipped, print_warnings, working
     from scenes.checking.check import inspect_scene, told
@@ -83,17 +83,17 @@ def list_() -> None:
 
 
 def _first(description: str) -> str:
-    """First sentence of a description, in one line."""
+    """First sentence of a description, on one line."""
     return " ".join(description.split()).partition(". ")[0].rstrip(".")
 
 
 @app.command()
 def export(
     scene: SceneName,
-    to: Annotated[Literal["inp"], Option(help="Form: inp, decks of CalculiX and Abaqus.")] = "inp",
+    to: Annotated[Literal["inp"], Option(help="Format: decks of CalculiX and Abaqus.")] = "inp",
     set_: Settings = None,
     backend: Annotated[Literal["fe"] | None, Option(help="Backend for every body.")] = None,
-    modes: Annotated[int, Option(help="Modes that the decks ask for.")] = 20,
+    modes: Annotated[int, Option(help="Number of modes that the decks request.")] = 20,
     out: Out = Path("results/export"),
 ) -> None:
     """Write a scene of Lagrange elements as input decks of CalculiX and Abaqus."""
@@ -109,7 +109,7 @@ def export(
 
 @app.command()
 def reference(out: _File = None) -> None:
-    """Every field of a scene, its type, default and meaning, as Markdown."""
+    """Print every field of a scene, its type, default and meaning, as Markdown."""
     from scenes.spec.schema import reference_text
 
     _deliver(reference_text(), out)
@@ -117,10 +117,10 @@ def reference(out: _File = None) -> None:
 
 @app.command()
 def schema(
-    matrices: Annotated[bool, Option("--matrices", help="That of scenes of matrices.")] = False,
+    matrices: Annotated[bool, Option("--matrices", help="Schema of scenes of matrices.")] = False,
     out: _File = None,
 ) -> None:
-    """JSON Schema of scenes, with which editors complete and check them."""
+    """Print the JSON Schema of scenes, with which editors complete and check them."""
     from scenes.spec.schema import schema_text
 
     _deliver(schema_text("matrices" if matrices else "bodies"), out)

@@ -20,26 +20,26 @@ STUDIES = {
     "agreement": ("agreement", "Both backends on disc and pad, in every pairing."),
     "accuracy": ("accuracy.study", "Error of every method against run time."),
     "formulations": ("formulations.study", "Patch tests, locking, momentum of each formulation."),
-    "stability": ("stability.study", "Stiff and extreme scenes beside references."),
+    "stability": ("stability.study", "Stiff and extreme scenes against references."),
     "brake": ("brake.study", "A ventilated brake on several meshes."),
-    "damping": ("damping", "How damping moves the threshold of flutter."),
+    "damping": ("damping", "Effect of damping on the flutter threshold."),
 }
-"""Module of each study below comparisons, and its help."""
+"""Module of each study below comparisons, and its help text."""
 _BESIDE_EXACT = ("accuracy", "formulations", "stability", "damping")  # need exact_cea
 BENCHMARKS = {
-    "assembly": ("bench.assembly", "Stiffness and mass, beside dolfinx."),
-    "solve": ("bench.solve", "Modes of disc_pad, beside SLEPc, scipy, projection."),
+    "assembly": ("bench.assembly", "Stiffness and mass, against dolfinx."),
+    "solve": ("bench.solve", "Modes of disc_pad, against SLEPc, scipy, projection."),
     "scaling": ("bench.scaling", "More ranks and finer meshes."),
-    "matrices": ("bench.matrices", "Matrices from files, beside scipy."),
+    "matrices": ("bench.matrices", "Matrices from files, against scipy."),
     "calculix": ("bench.calculix", "CalculiX on the same meshes."),
 }
-"""Benchmarks: time and memory beside other programs and methods, on this machine."""
+"""Benchmarks: time and memory on this machine, against other programs and methods."""
 
 _COMMON: dict[str, tuple[Any, Any, str]] = {
-    "quick": (bool, False, "A small part of it, in a minute or two."),
+    "quick": (bool, False, "Run a small part of it, in a minute or two."),
     "only": (list[str], None, "LABEL=VALUE of the cases to run; may be repeated."),
-    "anew": (bool, False, "Run every case, also those that are stored."),
-    "redraw": (bool, False, "Run nothing: draw the result in --out anew."),
+    "anew": (bool, False, "Run every case, also stored ones."),
+    "redraw": (bool, False, "Redraw the result in --out, run nothing."),
 }
 
 
@@ -49,12 +49,12 @@ def study_in(module: str) -> "Study":
 
 
 class Studies(LazyGroup):
-    """Commands by name of the study; the module of one is imported when it is called."""
+    """A command for each study, whose module is imported when it is called."""
 
     table = STUDIES
 
     def make(self, name: str) -> Any:
-        """Command with the options of a study and those that all have."""
+        """The command of a study, with its own options and the common ones."""
         need("pictures", *(["exact"] if name in _BESIDE_EXACT else []))
         study = study_in(self.table[name][0])
         out = Path("results", *study.name.split())
@@ -68,13 +68,13 @@ class Studies(LazyGroup):
 
 
 class Benchmarks(Studies):
-    """Benchmarks by name."""
+    """A command for each benchmark."""
 
     table = BENCHMARKS
 
 
 def _own_options(study: "Study") -> dict[str, tuple[Any, Any, str]]:
-    """Fields of the options that bear their help; left out, the study's own default stands."""
+    """Options of a study that have a help text; if not given, the study's default is used."""
     hints = get_type_hints(study.options, include_extras=True)
     told = {name: get_args(hint) for name, hint in hints.items() if get_origin(hint) is Annotated}
     return {name: (_kind(hint), None, text) for name, (hint, text) in told.items()}
@@ -97,7 +97,7 @@ def run_study(
     redraw: bool = False,
     **options: Any,
 ) -> None:
-    """Run a study with options of its own, or draw it anew; print tables, and the page to open."""
+    """Run a study, or redraw its stored result; print its tables and the page to open."""
     from cea.petsc import MPI
     from comparisons.cli.options import refuse_with_redraw
     from comparisons.study.page import write_study
@@ -143,7 +143,7 @@ def _run(
 
 
 def _print(study: "Study", result: "StudyResult") -> None:
-    """Print headlines, the tables that are for it, and how many cases failed."""
+    """Print headlines, the tables marked ``printed``, and the number of failed cases."""
     from comparisons.cli.output import print_frame
     from comparisons.study.page import present
 
@@ -160,7 +160,7 @@ def _print(study: "Study", result: "StudyResult") -> None:
 
 
 app = group("Run a study: cases, their tables and plots on one page.", Studies)
-bench = group("Time and memory beside other programs and methods, on this machine.", Benchmarks)
+bench = group("Compare time and memory with other programs and methods.", Benchmarks)
 
 
 def paper(
@@ -173,7 +173,7 @@ def paper(
         Path | None, Option(help="Folder of the result: results/paper, or results/claims.")
     ] = None,
 ) -> None:
-    """Make figures of the paper on every kind of mesh, and judge its claims by their numbers."""
+    """Make figures of the paper on every kind of mesh, and check its claims by their numbers."""
     need("pictures")
     made, chosen = study_in("paper.study"), () if names in (None, ["all"]) else tuple(names)
     if chosen == ("claims",):

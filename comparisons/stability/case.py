@@ -1,4 +1,4 @@
-"""Runs of a case: a scene in several ways, and what must come out of each, said beforehand."""
+"""Runs of a case: a scene solved in several ways, with the verdicts allowed for each."""
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -22,12 +22,12 @@ EXPECTED: dict[str, tuple[Verdict, ...]] = {
     "refused": ("refused",),
     "not accurate": ("warned", "refused"),
 }
-"""Verdicts that may come out.
+"""Verdicts allowed by each expectation.
 
-Accurate: the answer has the digits of the tolerance and no warning but those allowed. Warned:
-digits may be lost, and the result then says so. Honest: anything but a wrong answer without a word.
-Refused: there is no answer, and the run ends with an error that names what is wrong. Not accurate:
-the answer is that of another problem, which the run says if it is not refused.
+Accurate: the error is within the tolerance, without warnings except allowed ones. Warned: the error
+may be larger if the result warns. Honest: anything but a wrong answer without a warning. Refused:
+the run must end with an error that names the cause. Not accurate: the answer is that of another
+problem; the run must warn or be refused.
 """
 MESH = (
     "short-modes",
@@ -37,21 +37,21 @@ MESH = (
     "volumetric-locking",
     "doubtful-units",
 )
-"""Warnings about the mesh, the point rule or the units: beside a reference on the same mesh they
-may come, and they excuse no error."""
-_BEYOND = 1.3  # how far beyond the modes looked at an exact list reaches
+"""Warnings about the mesh, the point rule or the units: they are allowed, since references are on
+the same mesh, but excuse no error."""
+_BEYOND = 1.3  # upper end of exact lists, relative to the end of the window
 
 
 @dataclass(frozen=True)
 class Reference:
-    """A true answer."""
+    """Reference eigenvalues."""
 
     name: str  # where it comes from: "dense", "at rest", "exact", "formula"
     values: Callable[[], Complexes]  # lambda (1/s) with Im >= 0, far beyond the window
 
 
 def dense(scene: Mapping[str, Any], *, factor: float = 1.0, copies: int = 1) -> Reference:
-    """Dense eigenvalues of a scene (scipy) times a factor, each so many times."""
+    """Dense eigenvalues of a scene (scipy) times a factor, each repeated ``copies`` times."""
 
     def values() -> Complexes:
         return np.repeat(factor * _values(dense_eigenvalues, _key(scene)), copies)
@@ -60,12 +60,12 @@ def dense(scene: Mapping[str, Any], *, factor: float = 1.0, copies: int = 1) -> 
 
 
 def carried(scene: Mapping[str, Any]) -> Reference:
-    """Dense eigenvalues at rest of a damped body, carried along by its rotation (scipy)."""
+    """Eigenvalues of a damped rotating body, from dense ones at rest (scipy)."""
     return Reference("at rest", lambda: _values(carried_eigenvalues, _key(scene)))
 
 
 def exact(problem: str, *, max_frequency: float, **parameters: Any) -> Reference:
-    """Exact eigenvalues of a problem with its parameters, beyond a window's end (Hz)."""
+    """Exact eigenvalues of a problem with its parameters, to beyond the window's end (Hz)."""
 
     def values() -> Complexes:
         from exact_cea.reference import whole_spectrum
@@ -77,12 +77,12 @@ def exact(problem: str, *, max_frequency: float, **parameters: Any) -> Reference
 
 
 def formula(values: Sequence[complex]) -> Reference:
-    """Values by a closed formula."""
+    """Eigenvalues in closed form."""
     return Reference("formula", lambda: np.asarray(values, dtype=complex))
 
 
 def _key(scene: Mapping[str, Any]) -> str:
-    """A scene as text, the saddle form for the penalty: both have the same eigenvalues."""
+    """A scene as text without its forms: penalty and saddle have the same eigenvalues."""
     data = json.loads(json.dumps(scene))
     for contact in data.get("contacts", {}).values():
         contact.pop("form", None)
@@ -101,11 +101,11 @@ class Run:
     row: str  # what distinguishes it within its case: "P = 1e6 N/m"
     way: Way
     problem: Problem
-    reference: Reference | None  # None where only a refusal is right
+    reference: Reference | None  # None if only a refusal is right
     expected: tuple[Verdict, ...] = EXPECTED["accurate"]  # the verdicts that may come out
     tolerance: float = 1e-8  # relative error of lambda up to which an answer is accurate
-    lowest: int = 8  # true modes in the window, where the problem gives no frequency
-    warnings: tuple[str, ...] = MESH  # kinds that may come although the answer is accurate
+    lowest: int = 8  # reference modes in the window, if the problem gives no frequency
+    warnings: tuple[str, ...] = MESH  # kinds allowed although the answer is accurate
     names: str = ""  # what the message of a refusal must contain
 
 
@@ -124,11 +124,11 @@ def runs(
     also: tuple[str, ...] = (),
     **fields: Any,
 ) -> Runs:
-    """A scene in every one of some ways; ``row`` distinguishes it within its case.
+    """Yield a run of a scene for each way; ``row`` distinguishes it within its case.
 
-    ``true`` is the reference, or makes it from the scene as it is run, or from another one
-    ``instead``; None where only a refusal is right. ``problem`` makes what is solved of the scene,
-    ``also`` are warnings that may come beside those about the mesh; others are fields of Run.
+    ``true`` is the reference, or makes it from the scene as it is run, or from another scene
+    ``instead``; None if only a refusal is right. ``problem`` makes the problem from the scene,
+    ``also`` are warnings allowed in addition to those about the mesh; others are fields of Run.
     """
     fields = {"warnings": (*MESH, *also), **fields}
     for way in ways:
@@ -139,5 +139,5 @@ def runs(
 def refused(
     row: str, scene: Mapping[str, Any], ways: Iterable[Way] = WAYS, names: str = ""
 ) -> Runs:
-    """A scene that must be refused, by a message that contains a name."""
+    """Yield runs of a scene that must be refused, with a message that contains ``names``."""
     return runs(row, scene, ways, None, expected="refused", names=names)

@@ -1,4 +1,4 @@
-"""Bodies: geometry, materials and units far apart, degrees and shapes of elements and splines."""
+"""Cases of bodies: extreme geometry, materials and units, degrees and shapes of elements."""
 
 from typing import Any
 
@@ -62,7 +62,7 @@ def aspect() -> Runs:
 
 def contact_edges() -> Runs:
     """Edges of the contact inside elements, contact on one element."""
-    for row, width, at, elements in (  # those of the base end at 0.4, 0.8
+    for row, width, at, elements in (  # element boundaries of the base: 0.4, 0.8
         ("edges inside elements", 0.5, 0.63, (3, 2)),
         ("on one element", 0.1, 0.85, (3, 2)),
         ("one element on one", 0.1, 0.85, (1, 1)),
@@ -161,8 +161,8 @@ _BENDING = np.array([1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349, 14
 def thin_strip() -> Runs:
     """Thin cantilevers, length over height 100 to 1e5."""
     for slenderness in (1e2, 1e3, 2e4, 1e5):
-        # Length 2, plane strain, E = rho = 1, beside Euler and Bernoulli. Half as many elements
-        # lock: cubic splines are then off by 2 percent in the fourth mode, which no run tells.
+        # Length 2, plane strain, E = rho = 1, against Euler-Bernoulli beams. Half as many elements
+        # lock: cubic splines then err by 2 percent in the fourth mode without a warning.
         height = 2.0 / slenderness
         strip = body(rectangle((2.0, height)), (40, 1), degree=3, nu=0.3, held="x_min")
         omega = (_BENDING / 2.0) ** 2 * height / np.sqrt(12 * (1 - 0.3**2))
@@ -185,13 +185,13 @@ def elastic_contrast() -> Runs:
 
 
 def incompressible() -> Runs:
-    """Poisson's ratio 0 to 0.49999: the algebra."""
+    """Poisson's ratio 0 to 0.49999, against dense eigenvalues."""
     for nu in (0.0, 0.49, 0.499, 0.4999, 0.49999):
         yield from runs(f"ν = {nu}", _both({"nu": nu}), FEW)
 
 
 def anisotropic() -> Runs:
-    """Moduli 1e2 and 1e4 apart, constants near the loss of definiteness, hardly any compression."""
+    """Orthotropic materials: moduli 1e2 and 1e4 apart, nearly indefinite, nearly incompressible."""
     axes = {"first": [2.0, 1.0, 0.0], "second": [0.0, 1.0, 0.0]}
     shear = {"G_12": 0.04, "G_13": 0.04, "G_23": 0.04, "rho": 0.35, "axes": axes}
     plain = {"E_1": 0.1, "E_2": 0.1, "E_3": 0.1, "nu_12": 0.25, "nu_13": 0.25, "nu_23": 0.25}
@@ -208,7 +208,7 @@ def anisotropic() -> Runs:
 
 
 def locking() -> Runs:
-    """Poisson's ratio 0.3 to 0.49999: what it costs in truth."""
+    """Poisson's ratio 0.3 to 0.49999, against exact eigenvalues: locking."""
     from exact_cea.material import Material
 
     fine = {"upper_elements": (8, 3), "lower_elements": (7, 4), "mu": _FRICTION}
@@ -257,7 +257,7 @@ def patches() -> Runs:
     """Strong weights, repeated knots, a pole, distorted cells."""
     yield from runs("weights 2", on_base(_weighted(2.0)), _IGA)
     for weight in ("10", "1e2", "1e4", "1e-4"):
-        # Most of the patch is squeezed into a sliver, which few Gauss points do not see.
+        # Most of the patch is squeezed into a sliver, which few Gauss points do not resolve.
         data = on_base(_weighted(float(weight)))
         yield from runs(f"weights {weight}", data, _IGA, expected="honest", tolerance=1e-6)
     yield from runs("double knot", on_base(_repeated(2)), _IGA)
@@ -289,7 +289,7 @@ def _coarse(degree: int) -> Scene:
 def continuity() -> Runs:
     """Continuity 0 to p - 1 of splines."""
     for p in (2, 4):
-        for c in range(p):  # collocation points crowd at knots of low continuity
+        for c in range(p):  # collocation points cluster at knots of low continuity
             fields = {f"bodies.{n}.mesh.iga.continuity": [c] * 2 for n in ("upper", "lower")}
             yield from runs(f"degree {p}, C{c}", changed(_coarse(p), fields), _IGA)
 

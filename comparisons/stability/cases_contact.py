@@ -1,4 +1,4 @@
-"""Contact stiffness from next to nothing to infinity, contact open in part, several contacts."""
+"""Cases of contact: stiffness from near zero to infinite, partly open and several contacts."""
 
 from math import inf
 from typing import Any
@@ -22,14 +22,14 @@ from comparisons.stability.scenes import (
 )
 from comparisons.stability.ways import FEW, MORTAR, OPEN, PAIR, PENALTY, SADDLE, WAYS, chosen
 
-_HARMLESS = 1e6  # P up to which a penalty keeps its digits, and lumping has a reference
+_HARMLESS = 1e6  # P up to which a penalty loses no digits, and lumping has a reference
 _MORTAR, _PENALTY = chosen(SADDLE, "mortar"), ("penalty-rounding",)
 
 
 def contact_stiffness() -> Runs:
     """Contact stiffness P from 1e-6 to 1e25 N/m and infinite."""
     for P in (1e-6, 1.0, 1e6, 1e10, 1e14, 1e20, 1e25):
-        # A saddle form loses nothing; a penalty loses digits as P grows, and must say so.
+        # A saddle form loses no digits; a penalty loses digits as P grows, and must warn.
         harmless, data, row = P <= _HARMLESS, layers(P=P), f"P = {P:.0e} N/m"
         penalty = PENALTY if harmless else chosen(PENALTY, without="lumped")
         expected = "accurate" if harmless else "honest"
@@ -77,7 +77,7 @@ def _four_blocks(P: float) -> Scene:
 
 
 def cross_point() -> Runs:
-    """Four blocks tied round a cross point."""
+    """Four blocks tied around a cross point."""
     for P in (1e4, 1e14, 1e20, inf):
         ways = chosen(SADDLE, "mortar", "GPTS, saddle")
         yield from runs(f"P = {P:.0e}", _four_blocks(P), ways, lowest=6)
@@ -86,7 +86,7 @@ def cross_point() -> Runs:
 
 
 def _two_pads(upper: float | str, lower: float | str, joint: float) -> Scene:
-    """A disc cut open between a pad of two parts above and one below; p of both, P of the joint."""
+    """A straight disc between a pad of two parts above and one below; p of both, P of the joint."""
     ends = [{"surface": f"x_{end}"} for end in ("min", "max")]
     bond = {"formulation": {"method": "bonded"}, "mu": 0.0, "P": joint, "form": "saddle"}
     plate, below = rectangle((0.6, 0.1), (0.7, 0.2)), rectangle((0.5, 0.25), (0.9, -0.55))
@@ -147,7 +147,7 @@ def patch_test() -> Runs:
     """Contact patch test at P from 1e-4 to 1e16 and infinite."""
     # Exact integration passes at any P, though the upper block nearly floats at small ones.
     E, pressure, may = 1e5, 1000.0, (*_PENALTY, "large-displacement")
-    rounding = 100 * np.finfo(float).eps / E  # of 100 unknowns, for each N/m of a penalty
+    rounding = 100 * np.finfo(float).eps / E  # rounding of 100 unknowns per N/m of a penalty
     roller: Scene = {"surface": "x_min", "components": ["x"]}
     held = [{"surface": "y_min", "components": ["y"]}, roller]
     upper, lower = rectangle((9.0, 4.5)), rectangle((9.0, 4.5), (0.0, -4.5))
@@ -198,9 +198,9 @@ def _drum(p: float) -> Scene:
 
 
 def formulations() -> Runs:
-    """Every formulation beside exact eigenvalues."""
+    """Every formulation against exact eigenvalues."""
     for p in (1e-2, 1.0, 1e2, 1e4):
-        # Mortar must be right at any stiffness; others may be wrong, and must say so.
+        # Mortar must be accurate at any stiffness; others may be inaccurate, but must warn.
         row, true = f"p = {p:.0e} N/m³", _exact_layers(p, 1.0)
         data = _cubic_layers(p, "1.0*abs(sin(pi*x/2))")
         yield from runs(row, data, MORTAR, true, tolerance=1e-2)
@@ -209,7 +209,7 @@ def formulations() -> Runs:
 
 
 def mortar() -> Runs:
-    """Mortar beside exact eigenvalues, p from 1e-2 N/m³ to infinity."""
+    """Mortar against exact eigenvalues, p from 1e-2 N/m³ to infinity."""
     stiffnesses = (1e-2, 1.0, 1e3, 1e6, 1e9, 1e12, inf)
     for p in stiffnesses:
         row, data = f"blocks, p = {p:.0e} N/m³", _cubic_layers(p, "0.3*abs(sin(pi*x/2))")
@@ -217,7 +217,7 @@ def mortar() -> Runs:
     for p in stiffnesses:
         true = exact("drum", max_frequency=0.33, p="inf" if p == inf else p, mu="0.3")
         row, data = f"drum, p = {p:.0e} N/m³", _drum(p)
-        for backend in ("fe", "iga"):  # of finite elements it has more than 1,000 unknowns
+        for backend in ("fe", "iga"):  # finite elements have more than 1,000 unknowns
             expected = "warned" if backend == "fe" and p > 1 else "accurate"
             ways = chosen(_MORTAR, backend=backend)
             yield from runs(row, data, ways, true, expected=expected, tolerance=1e-3)
@@ -225,7 +225,7 @@ def mortar() -> Runs:
 
 def stiff_windows() -> Runs:
     """Stiff contact in systems of 11,000 unknowns."""
-    # No bound of what friction moves holds for it: windows say up to which growth they do.
+    # No bound on the effect of friction holds here: windows state the growth that they cover.
     elements = {"fe": ((22, 12), (20, 17)), "iga": ((64, 32), (60, 48))}
     for mu in (0.3, 1.5):
         for p in (1e3, 1e9, inf):
@@ -237,7 +237,7 @@ def stiff_windows() -> Runs:
 
 
 def directions() -> Runs:
-    """Directions of friction that are none."""
+    """Invalid directions of friction."""
     cube = (1.0, 1.0, 1.0), (1, 1, 1)
     for row, direction in (
         ("one number in space", {"vector": [1.0]}),

@@ -1,4 +1,4 @@
-"""Matrices and meshes from files, and contacts whose surfaces turn a corner."""
+"""Cases of matrices and meshes from files, and of contacts whose surfaces turn a corner."""
 
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -50,7 +50,7 @@ class Block:
         half, rest = 0.5 * (self.c - signs * self.g), self.k - signs * self.f
         root = np.sqrt(half**2 - rest + 0j)
         larger = -half - np.where((half.conj() * root).real >= 0, root, -root)
-        return np.concatenate([larger, rest / larger])  # no difference of what is nearly equal
+        return np.concatenate([larger, rest / larger])  # avoids cancellation
 
 
 def _matrices(blocks: Sequence[Block]) -> dict[str, Floats]:
@@ -64,7 +64,7 @@ def _matrices(blocks: Sequence[Block]) -> dict[str, Floats]:
 
 
 def _transformed(matrices: Mapping[str, Floats], change: Floats) -> dict[str, Floats]:
-    """The same system in other unknowns: T^T A T, what is symmetric so to the last bit."""
+    """The same system in other unknowns, T^T A T; symmetric matrices stay exactly symmetric."""
     changed = {}
     for name, matrix in matrices.items():
         product = change.T @ matrix @ change
@@ -82,7 +82,7 @@ def _upper(blocks: Sequence[Block]) -> Complexes:
 _STIFFNESSES = np.linspace(1.0, 60.0, 12)
 _PLAIN = tuple(Block(k) for k in _STIFFNESSES)
 _UNDAMPED = tuple(Block(k, f=0.3 if 4 < k < 12 else 0.0) for k in _STIFFNESSES)
-"""Some of them flutter."""
+"""Undamped blocks, some of which flutter."""
 _DAMPED = tuple(replace(block, c=0.02, g=0.1) for block in _UNDAMPED)
 _N = 2 * len(_DAMPED)
 
@@ -97,7 +97,7 @@ _MIXED = _mixing(_N, 5, 0.4)
 def _run(
     row: str, true: Any, matrices: Mapping[str, Floats], *, form: str = "npz", **fields: Any
 ) -> Run:
-    """Matrices in files beside eigenvalues of blocks, or given ones; None: they are refused."""
+    """A run of matrices in files; ``true``: blocks, eigenvalues, or None if they are refused."""
     given: dict[str, Any] = {"lowest": 12, "warnings": (), "expected": "accurate"} | fields
     if true is None:
         given |= {"expected": "refused", "names": "positive definite"}
@@ -109,7 +109,7 @@ def _run(
 
 
 def _units() -> Runs:
-    """Scaling of unknowns and of time changes nothing."""
+    """Yield runs with other units of unknowns and of time."""
     mixed = _transformed(_matrices(_DAMPED), _MIXED)
     for form in WRITERS:
         yield _run(f"damped, rotating, with friction: .{form}", _DAMPED, mixed, form=form)
@@ -125,7 +125,7 @@ def _units() -> Runs:
 
 
 def _masses() -> Runs:
-    """A mass next to nothing is a mode far beyond the window; a singular one is refused."""
+    """Yield runs with tiny masses, whose modes are far beyond the window, and singular ones."""
     for mass in (1e-3, 1e-6, 1e-9, 1e-12):
         blocks = (*_DAMPED, Block(5.0 / mass))
         matrices = _matrices(blocks)
@@ -143,7 +143,7 @@ def _masses() -> Runs:
 
 
 def _clusters() -> Runs:
-    """Copies, and Jordan blocks, whose members have the square root of rounding."""
+    """Yield runs with multiple eigenvalues and Jordan blocks, with errors of sqrt(rounding)."""
     equal = (Block(4.0, c=0.02, f=0.1),) * 10 + (Block(9.0, c=0.02),) * 10 + _DAMPED
     matrices = _matrices(equal)
     mixed = _transformed(matrices, _mixing(2 * len(equal), 6, 0.3))
@@ -169,13 +169,13 @@ def _rounding() -> Runs:
 
 
 def matrices_from_files() -> Runs:
-    """Matrices from files in all units, and near to what has no answer."""
+    """Matrices from files: units, tiny and singular masses, multiple eigenvalues, rounding."""
     for part in (_units, _masses, _clusters, _rounding):
         yield from part()
 
 
 def graded() -> Runs:
-    """Matrices whose unknowns and equations are scaled far apart."""
+    """Badly scaled matrices: graded unknowns and equations."""
     random = np.random.default_rng(11)
     turn: Floats = qr(random.standard_normal((_N, _N)))[0]
     steps = [random.permutation(np.linspace(-1.0, 1.0, _N)) for _ in range(2)]
@@ -216,7 +216,7 @@ def exceptional_point() -> Runs:
 
 
 def multiplicities() -> Runs:
-    """Eigenvalues 2 to 30 times in given matrices."""
+    """Eigenvalues of multiplicity 2 to 30 in given matrices."""
     beyond = np.linspace(20.0, 1e4, 60)  # kappa beyond the window
     for number in (2, 5, 13, 30):
         for word, mu in {"stable": 0.0, "fluttering": 0.3, "diverging": 2.0}.items():
@@ -230,7 +230,7 @@ def multiplicities() -> Runs:
 
 
 _CPE8R, _MIDDLE = [0, 6, 8, 2, 3, 7, 5, 1], 4
-"""Nodes of an element of Abaqus, and the one in its middle, among those of a quadratic cell."""
+"""Nodes of a quadratic cell in the order of Abaqus' CPE8R, and its middle node."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Friction and the spectra it makes: growth, divergence, copies, whole windows."""
+"""Cases of friction: growth, divergence, multiple eigenvalues, whole spectra."""
 
 from functools import partial
 from math import inf
@@ -57,7 +57,7 @@ def slow() -> Runs:
 
 
 def arms() -> Runs:
-    """Oblique arms: divergence, strong flutter, copies of zero."""
+    """Oblique arms: divergence, strong flutter, multiple zero eigenvalues."""
     stiff = {"E": 100.0, "held": "head"}
     large, small = rectangle((6.0, 3.0), (-3.0, -3.0)), rectangle((2.0, 1.0), (-1.0, -1.0))
 
@@ -83,7 +83,7 @@ def arms() -> Runs:
 
 
 def _times(number: int, one: Scene) -> Scene:
-    """So many copies in one place of a scene of at most one contact."""
+    """``number`` copies of a scene of at most one contact, all in one place."""
     contacts = {
         f"c{i}": each | {side: each[side].replace(".", f"{i}.") for side in ("a", "b")}
         for each in one["contacts"].values()
@@ -160,7 +160,7 @@ def everyday() -> Runs:
 
 
 def free_bodies() -> Runs:
-    """Free bodies: rigid motions."""
+    """Free bodies: rigid body modes."""
     yield from runs("one block", _FREE_BLOCK, ALONE, tolerance=1e-6)
     lower = body(rectangle((2.0, 1.0), (0.0, -1.0)), (4, 2))
     bodies = {"upper": body(rectangle((1.0, 0.5), (0.3, 0.0)), (3, 2), E=0.5), "lower": lower}

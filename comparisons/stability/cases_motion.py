@@ -1,4 +1,4 @@
-"""Loads, damping and rotation, from next to nothing to critical."""
+"""Cases of loads, damping and rotation, from near zero to critical."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -33,12 +33,12 @@ _PULLED = chosen(UNIFORM, "GPTS, penalty", "mortar, penalty")
 
 
 def _slope(m: float, pressure: float, c: float) -> float:
-    """Contact stiffness p where a pressure closes layers between rollers everywhere alike."""
+    """Contact stiffness p of layers between rollers that a pressure closes uniformly."""
     return m * c * (pressure / c) ** ((m - 1) / m)
 
 
 def _known(p: float, data: Scene) -> Reference:
-    """Dense eigenvalues of the same layers where p is known and the back is held where it is."""
+    """Dense eigenvalues of the same layers with given p and their back held in place."""
     return dense(uniform(data, p))
 
 
@@ -71,7 +71,7 @@ def load_steps() -> Runs:
         ("two steps a rounding apart", [1.0 - 2**-52, 1.0]),
     ):
         for m, c in ((1.0, 1.0), (2.0, 10.0), (5.0, 1e8)):
-            # Pressed by next to nothing a body floats but for the digits of its stiffness.
+            # Under a tiny load the contact stiffness is lost in the rounding of that of the body.
             expected = "honest" if steps == nearly_lost and m > 3.0 else "accurate"
             pressed = pressed_layers(1e-3, c_n=c, m_n=m)
             data = changed(pressed, {"analysis.load_steps": steps})
@@ -87,7 +87,7 @@ _LAYERS = ((0.1, 0.25, 0.5), (1.0, 0.3, 1.0))
 
 
 def _held(value: float, c: float, m: float) -> Scene:
-    """Layers whose back is held, at a displacement along y."""
+    """Layers with a prescribed displacement of their back along y."""
     data = pressed_layers(1.0, c_n=c, m_n=m) | {"loads": []}
     back = {"surface": "y_max", "components": ["x", "y"], "value": [0.0, value]}
     data["bodies"]["upper"]["supports"] = [back, *WALLS]
@@ -95,7 +95,7 @@ def _held(value: float, c: float, m: float) -> Scene:
 
 
 def _closed(value: float, c: float, m: float) -> float:
-    """Contact stiffness p where layers of the moduli lambda + 2 mu are closed by -value in all."""
+    """Contact stiffness p of layers of moduli lambda + 2 mu compressed by -value in total."""
     soft = sum(h * (1 + nu) * (1 - 2 * nu) / (E * (1 - nu)) for E, nu, h in _LAYERS)
 
     def too_far(share: float) -> float:
@@ -116,9 +116,9 @@ def prescribed() -> Runs:
 
 
 _BUCKLES = 0.04097906385107964
-"""Pressure (N/m^2) at which bilinear layers have no stiffness left, in contact of p = 1 N/m^3.
+"""Buckling pressure (N/m^2) of bilinear layers in contact of p = 1 N/m^3.
 
-The least eigenvalue of K + P K_geo, both of products of matrices along x and y.
+The least eigenvalue P of K + P K_geo, both tensor products of matrices along x and y.
 """
 
 
@@ -133,7 +133,7 @@ def prestress() -> Runs:
 
 
 def unsupported() -> Runs:
-    """Static loads on bodies that nothing holds."""
+    """Static loads on unsupported bodies."""
     block = body(rectangle((1.0, 0.5), (0.3, 0.0)), (3, 2))
     partly = [{"surface": "y_min", "components": ["x"]}]
     for row, lower, P in (
@@ -158,7 +158,7 @@ def _with(data: Scene, damping: dict[str, Any], *bodies: str) -> Scene:
 def damping() -> Runs:
     """Damping ratios 1e-12 to 1."""
     for ratio in (1e-12, 1e-6, 1e-2, 0.3, 1.0):
-        # Both ends of the modes looked at have the ratio.
+        # Modes at both ends of this range of frequencies have the ratio.
         fields: dict[str, Any] = {"ratios": [ratio, ratio], "frequencies": [0.05, 0.6]}
         also = ("undecided",) if ratio == 1e-12 else ()
         both, upper = _with(layers(p=10.0), fields), _with(layers(p=10.0), fields, "upper")
@@ -184,7 +184,7 @@ _EVERY = 1e3  # frequency (Hz) above all modes of these bodies
 
 
 def _square() -> Scene:
-    """A square that contacts alone hold, at a base and at a wall: alone its modes come in pairs."""
+    """A square held only by contacts with a base and a wall; its free modes come in pairs."""
     wall = body(rectangle((0.5, 1.0), (1.0, 0.0)), (2, 4), held="x_max")
     ground = body(rectangle((1.0, 1.0), (0.0, -1.0)), (4, 4), held="y_min")
     upwards = {"vector": [0.0, 1.0]}
@@ -241,14 +241,14 @@ def rotation() -> Runs:
                 yield from runs(row, scene({"ring": turned}), ALONE, also=may)
 
 
-_STANDS = 0.0447  # rate (rad/s) at which a wave of two diameters stands, sqrt(E / rho) = 1 m/s
+_STANDS = 0.0447  # rate (rad/s) at which a wave of two diameters stands if sqrt(E / rho) = 1 m/s
 _BETWEEN = 0.15  # kappa (1/s^2) between the waves of three and four diameters, likewise
 
 
 def _dampings(omega: float) -> Iterator[tuple[str, dict[str, Any], float]]:
-    """Words, damping, and a decay (1/s) that all waves of two and three diameters are below.
+    """Yield name, damping, and a decay rate (1/s) above those of waves of two and three diameters.
 
-    Ratios of these are 0.2 to 0.8. Rigid motions have double eigenvalues without damping of mass.
+    Their damping ratios are 0.2 to 0.8. Without mass damping rigid motions have double eigenvalues.
     """
     alpha, beta, ratio = 0.05 * omega, 3.0 / omega, 0.5
     yield "α", {"alpha": 2 * alpha}, 2 * alpha
@@ -269,8 +269,8 @@ def damped_rotation() -> Runs:
         for words, fields, decay in _dampings(omega):
             window = {"kind": "cea", "max_frequency": 0.1 * omega, "min_growth": -decay}
             for part in parts:
-                # The decay is that at rest, of which the mesh leaves three digits. Rigid motions at
-                # rest in space decay by nothing: their sign is lost in rounding.
+                # The decay rate is that at rest, to three digits on this mesh. Rigid motions at
+                # rest in space do not decay: the sign of their rate is rounding.
                 rate = {"rate": part * _STANDS * omega}
                 turning = rate | {"coriolis": False, "convective_stiffness": True}
                 moving: Scene = {"rotation": turning, "damping": fields}

@@ -36,19 +36,19 @@ from scenes.spec.body import DampingSpec
 from scenes.spec.contact import SlidingSpec
 from scenes.spec.reading import Scene, read_scene
 
-_SHIFT = 0.37  # shift below zero over the eigenvalues looked at: next to none of them
-_DEPENDENT = 1e-11  # singular values below this part belong to gaps that depend on others
-_LOW = 24  # modes whose size sets the shift
-_ABOUT = 30.0  # how far from the best place the near eigenvalues may give way to the far ones
-_INFINITE = 1e-11  # eigenvalues of the inverse below this part are those of tied gaps
-_RIGID = 1e-12  # eigenvalues of a body relative to its largest up to which motions are rigid
-_TOGETHER = 1e-3  # relative distance of kappa up to which waves of a mesh are two of one frequency
+_SHIFT = 0.37  # shift relative to the low eigenvalues; negative, so near none of them
+_DEPENDENT = 1e-11  # relative singular value below which gaps are linearly dependent
+_LOW = 24  # number of low eigenvalues whose size sets the shift
+_ABOUT = 30.0  # factor around the optimum within which near and far eigenvalues are joined
+_INFINITE = 1e-11  # relative eigenvalue of the inverse below which it belongs to tied gaps
+_RIGID = 1e-12  # eigenvalue of a body, relative to its largest, below which a mode is rigid
+_TOGETHER = 1e-3  # relative distance of kappa below which waves have one frequency
 
 Constraint = tuple[Floats, Floats, Floats]  # J, T and C: gaps, slips times mu, compliances
 
 
 def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
-    """Lambda (1/s) of every mode with Im >= 0, by rising frequency; undamped, those that grow."""
+    """Lambda (1/s) with Im >= 0 by rising frequency; undamped, the growing one of real pairs."""
     contacts = {
         name: contact
         | ({"form": "saddle"} if np.inf in (contact.get("P"), contact.get("p")) else {})
@@ -102,10 +102,10 @@ def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint])
 
 
 def _joined(near: Complexes, far: Complexes, shift: float) -> Complexes:
-    """The ones that are accurate near a shift, and beyond a gap the ones that are far from it.
+    """Join eigenvalues that are accurate near a shift with those that are accurate far from it.
 
-    Rounding moves an eigenvalue by kappa^2 / shift there and by the largest one here: the gap is
-    the widest about where both are equal.
+    Rounding moves the near ones in proportion to kappa^2 / shift, the far ones to the largest: they
+    are joined at the widest gap around the kappa where both are equal.
     """
     sizes = np.sort(np.abs(far))
     middle = np.sqrt(sizes[-1] * shift)
@@ -131,18 +131,18 @@ def _kappas_about(shift: float, K: Floats, M: Floats, J: Floats, L: Floats, C: F
 
 
 def lambdas(kappa: Complexes) -> Complexes:
-    """Lambda with Im >= 0 of each kappa, the growing one where both are real."""
+    """Lambda with Im >= 0 of each kappa, the growing one if both are real."""
     values = np.sqrt(-np.asarray(kappa, dtype=complex))
     values = np.where(values.imag < 0, -values, values)
     return values[np.lexsort((values.real, values.imag))]
 
 
 def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
-    """J, T and C of a half pass; where tied, C of a stiffness of 1 N/m over the interface."""
+    """J, T and C of a half pass; if tied, C is that of a stiffness of 1 N/m over the interface."""
     points, friction = contact.interface.points, contact.friction
     bonded = contact.coupling == "bonded"
     tied = np.isinf(contact.slope).any()
-    closed = contact.slope > 0  # points that have lifted off bear no force
+    closed = contact.slope > 0  # open points carry no force
     compliance = np.zeros(len(points))
     compliance[closed] = points.weight.sum() if tied else 1 / contact.slope[closed]
     normal = points.normal
@@ -169,7 +169,7 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
 def _projected(
     weight: Floats, compliance: Floats, psi: Floats, gap: Floats, slip: Floats
 ) -> Constraint:
-    """Projection on traces cut by what is open, which may depend on each other, by its range.
+    """Constraint projected on traces at closed points, which may be linearly dependent.
 
     With U an orthonormal basis of sqrt(w c) psi at the closed points, K_n is the square of
     U^T sqrt(w / c) G.
@@ -188,9 +188,9 @@ def _projected(
 
 
 def _tied(parts: list[Constraint]) -> Constraint:
-    """The limit of stiff contacts: independent gaps, forces shared out as compliances share them.
+    """Limit of stiff contacts: independent gaps, with forces distributed by the compliances.
 
-    Halves of a full pass, and contacts that meet in a point, have gaps that depend on each other.
+    Halves of a full pass, and contacts that meet in a point, have linearly dependent gaps.
     """
     J, T = (np.vstack([part[i] for part in parts]) for i in (0, 1))
     values, vectors = eigh(block_diag(*(part[2] for part in parts)))
@@ -232,7 +232,7 @@ def _quadratic(K: Floats, D: Floats, M: Floats) -> Complexes:
 
 
 def _moving(scene: Scene, system: CoupledSystem) -> tuple[Floats, Floats]:
-    """What prestress, damping and rotation of bodies and contacts that slide add to K and to D."""
+    """Contributions of prestress, damping, rotation and sliding contacts to K and D."""
     stiffness, damping = np.zeros((2, system.size, system.size))
     for contact in system.contacts:
         sliding = scene.contacts[contact.pair].sliding
@@ -264,7 +264,7 @@ def _moving(scene: Scene, system: CoupledSystem) -> tuple[Floats, Floats]:
 
 
 def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats:
-    """Rayleigh damping without springs, and modal damping by all modes, as a full matrix."""
+    """Rayleigh damping without springs plus modal damping of all modes, as a dense matrix."""
     damping = np.zeros_like(M)
     rayleigh, modal = spec.rayleigh(), spec.modal
     if rayleigh is not None:
@@ -284,7 +284,7 @@ def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats
 
 
 def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floats:
-    """What a half pass that slides adds to the damping."""
+    """Contribution of a sliding half pass to the damping."""
     points, friction = contact.interface.points, contact.friction
     assert friction is not None
     x, n = points.x, points.normal
@@ -305,14 +305,14 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
 
 
 def carried_eigenvalues(data: Mapping[str, Any]) -> Complexes:
-    """Lambda (1/s) with Im >= 0 of one body without springs, damped by factors or by one ratio.
+    """Lambda (1/s) with Im >= 0 of one rotating body without springs, from those at rest.
 
-    Of a body that rotates without Coriolis forces, convective stiffness included, a change of frame
-    gives the eigenvalues from those at rest: waves of m diameters have lambda_0 +- i m Omega, with
+    Damping is by Rayleigh factors or one modal ratio. Without Coriolis forces, but with convective
+    stiffness, a change of frame gives waves of m diameters lambda_0 +- i m Omega, with
 
         lambda_0^2 + (alpha + beta kappa + 2 zeta sqrt(kappa)) lambda_0 + kappa = 0.
 
-    Of the rotation only m is taken, the eigenvalues of X^T B X of modes X of one frequency rounded.
+    Of the rotation only m is used: the rounded eigenvalues of X^T B X, X the modes of a frequency.
     """
     scene = read_scene(dict(data) | {"analysis": {"kind": "cea", "max_frequency": 1.0}})
     ((name, spec),) = scene.bodies.items()

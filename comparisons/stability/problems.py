@@ -1,4 +1,4 @@
-"""What a run solves, and what its answer says: eigenvalues or stresses, and what it claims."""
+"""Problems that runs solve, and their answers: eigenvalues or stresses, verdicts, warnings."""
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
@@ -26,16 +26,16 @@ from scenes.spec.matrices import read_matrix_scene
 from scenes.spec.reading import Scene, read_scene
 
 UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
-"""Kinds of what an answer leaves open."""
+"""Marks of answers with undecided modes, or with a window that may not be complete."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Modes of a run, and what it says of them."""
+    """Modes of a run, with verdicts, error estimates and warnings."""
 
     eigenvalues: Complexes  # lambda (1/s), (n,)
-    verdicts: tuple[str, ...]  # the word of each mode
-    verdict: str  # that of the whole window
+    verdicts: tuple[str, ...]  # the verdict on each mode
+    verdict: str  # the verdict on the whole window
     thresholds: Floats  # growth rate (1/s) above which each is called unstable, (n,)
     uncertainties: Floats  # error of lambda (1/s) that the run states for each, (n,)
     complete: bool  # whether the window claims to hold every mode
@@ -48,7 +48,7 @@ class Answer:
 
     @property
     def says(self) -> tuple[str, ...]:
-        """Kinds of what it warns of: its warnings, modes undecided, a window not complete."""
+        """Kinds of its warnings, and marks of undecided modes and an incomplete window."""
         undecided = "undecided" in (*self.verdicts, self.verdict)
         open_ends = [UNDECIDED] * undecided + [NOT_COMPLETE] * (not self.complete)
         return tuple(dict.fromkeys([*self.warnings, *open_ends]))
@@ -64,7 +64,7 @@ class StressAnswer:
 
 
 def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
-    """What the modes of a result say, or its stresses."""
+    """Answer of a result: its modes, or its stresses."""
     kinds = tuple(dict.fromkeys(warning.kind for warning in result.warnings))
     if result.spectrum is None:
         sides = [side.sigma_n for both in result.stresses.values() for side in both.values()]
@@ -88,10 +88,10 @@ def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
 
 
 class Problem(Protocol):
-    """Something that is solved; errors tell that it is refused, or has no answer."""
+    """A problem to be solved; it raises an error if it is refused or does not converge."""
 
     def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
-        """Solve it up to a frequency (Hz), where the problem does not say it."""
+        """Solve it up to a frequency (Hz), unless the problem sets its own."""
         ...
 
 
@@ -102,14 +102,14 @@ class OfScene:
     data: Mapping[str, Any]
 
     def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
-        """Read the scene and run it; the result can be stored."""
+        """Read the scene and run it; check that the result can be stored."""
         result = run_scene(_read(self.data, max_frequency))
         as_json(result.data)
         return _answer(result, result.system.size)
 
 
 def _read(given: Mapping[str, Any], max_frequency: float | None) -> Scene:
-    """A scene, with the end of its window where it gives none."""
+    """A scene, with the end of its window set if it gives none."""
     data = deepcopy(dict(given))
     if data["analysis"]["kind"] == "cea":
         data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
@@ -124,7 +124,7 @@ class OfMap:
     axes: Mapping[str, Sequence[float]]  # values of each parameter at the full solves
 
     def solve(self, max_frequency: float | None) -> Answer:
-        """The reduced model at the values of the scene."""
+        """Solve the reduced model at the values of the scene."""
         scene = _read(self.data, max_frequency)
         system = coupled(scene, leave_out=False)[0]
         analysis: Any = scene.analysis
@@ -165,7 +165,7 @@ WRITERS: Mapping[str, Callable[[Path, csr_array], None]] = {
     "npz": save_npz,
     "petsc": _write_petsc,
 }
-"""What writes a matrix in each format, by the ending of the file."""
+"""Functions that write a matrix, by the extension of the file."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ def body(
     supports: Sequence[Mapping[str, Any]] = (),
     **others: Any,
 ) -> Scene:
-    """A body on both backends; on NURBS alone where its geometry is one of patches."""
+    """A body for both backends; for NURBS alone if it is made of patches or of degree above 4."""
     dim = len(elements)
     mesh: Scene = {"iga": {"degree": [degree] * dim, "elements": list(elements)}}
     if geometry["shape"] != "patches" and degree <= 4:
@@ -89,7 +89,7 @@ def contact(a: str, b: str, **fields: Any) -> Scene:
 def scene(
     bodies: Mapping[str, Any], analysis: Mapping[str, Any] | None = None, **contacts: Any
 ) -> Scene:
-    """Bodies and contacts; the reference says up to which frequency modes are wanted."""
+    """A scene of bodies and contacts; the reference sets the end of its window."""
     return {
         "name": "stability",
         "bodies": dict(bodies),
@@ -172,8 +172,8 @@ def sprag(angle: float = 60.0, mu: float = 0.3, **fields: Any) -> Scene:
     """A block whose back slides obliquely to its contact: with mu above cot(angle) it diverges.
 
     Both bodies are turned by the angle (degrees) about z; the back of the block is held along x
-    alone. It moves along y, at cos(angle) to the normal of the contact, and friction takes away
-    mu sin(angle) of what the contact gives back.
+    alone. It moves along y: the restoring force of the contact along it is proportional to
+    cos(angle), from which friction takes mu sin(angle).
     """
     turned = {"angle": angle}
     slope = {"field": [f"-cos({angle}*pi/180)", f"-sin({angle}*pi/180)"]}
@@ -197,7 +197,7 @@ def pressed_layers(pressure: float, *, degree: int = 2, **law: Any) -> Scene:
 
 
 def uniform(data: Mapping[str, Any], p: float) -> Scene:
-    """Pressed layers where p is known, without what presses them."""
+    """Pressed layers with given p, without their load and contact law."""
     known = changed(data, {"contacts.interface.p": p, "loads": []})
     interface, back = known["contacts"]["interface"], known["bodies"]["upper"]["supports"][0]
     for table in (interface, back, known["analysis"]):
@@ -224,7 +224,7 @@ def up_to(frequency: float, data: Mapping[str, Any]) -> Scene:
 
 
 def in_units(data: Mapping[str, Any], *, metre: float = 1.0, kilogram: float = 1.0) -> Scene:
-    """A scene of rectangles with p given, in units in which a metre and a kilogram are so much."""
+    """A scene of rectangles with given p, in units of 1 / ``metre`` m and 1 / ``kilogram`` kg."""
     copy = deepcopy(dict(data))
     for each in copy["bodies"].values():
         geometry = each["geometry"]

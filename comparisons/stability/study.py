@@ -1,4 +1,4 @@
-"""The catalogue of cases; every run in a process that a crash ends alone, and what came out."""
+"""The study of stability: its catalogue of cases, run in separate processes, and verdicts."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -45,21 +45,21 @@ def catalogue() -> dict[str, Callable[[], Runs]]:
 
 
 def title_of(name: str) -> str:
-    """What a case shows: its docstring."""
+    """Title of a case: its docstring."""
     return (getdoc(catalogue()[name]) or "").rstrip(".")
 
 
 @cache
 def runs_of(name: str) -> tuple[Run, ...]:
-    """Runs of a case; a name that is none is refused."""
+    """Runs of a case; unknown names are refused."""
     require(name in catalogue(), "case", name, f"one of {', '.join(catalogue())}")
     return tuple(catalogue()[name]())
 
 
 def numbers_of(name: str, *, quick: bool) -> list[int]:
-    """Numbers of the runs of a case, from 0; of a quick study a few of each row.
+    """Numbers of the runs of a case, from 0; a quick study takes a few of each row.
 
-    These are ways of :data:`QUICK`, on backends by turns; without them it is the first run.
+    These are the ways of :data:`QUICK`, on alternating backends, or else the first run.
     """
     runs = runs_of(name)
     if not quick:
@@ -78,11 +78,11 @@ class Options:
     """Options of the study."""
 
     cases: Annotated[tuple[str, ...], "Names of cases; all by default."] = ()
-    every: Annotated[bool, "Whether all runs of each row are taken, or a few."] = True
+    every: Annotated[bool, "Take all runs of each row, or only a few."] = True
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """A case of the study for each run; a name that is not in the catalogue is refused."""
+    """Yield a case of the study for each run; refuse names that are not in the catalogue."""
     for name in dict.fromkeys(options.cases or catalogue()):
         for i in numbers_of(name, quick=not options.every):
             run = runs_of(name)[i]
@@ -91,7 +91,7 @@ def cases(options: Options) -> Iterator[Case]:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, Any]:
-    """The verdict on a run, and what it rests on."""
+    """Verdict on a run, and the numbers on which it is based."""
     run = runs_of(case["case"])[case["run"]]
     found = judged(run)
     return {
@@ -106,12 +106,12 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
 
 
 def digits(error: float | None) -> float | None:
-    """Correct digits of the worst mode of a run, 16 at most; 0 where one is missing."""
+    """Correct digits of the worst mode of a run, 16 at most; 0 if one is missing."""
     return None if error is None else max(0.0, -log10(max(error, 1e-16)))
 
 
 def runs(result: StudyResult) -> pd.DataFrame:
-    """Every run; one whose process died or took too long is wrong."""
+    """Every run; one whose process died or timed out is WRONG."""
     frame, failed = result.frame(), result.failed()
     if failed.empty:
         return frame
@@ -120,13 +120,13 @@ def runs(result: StudyResult) -> pd.DataFrame:
 
 
 def not_met(result: StudyResult) -> pd.DataFrame:
-    """Runs with another verdict, or other warnings, than the catalogue says beforehand."""
+    """Runs with a verdict or warnings that the catalogue does not allow."""
     frame = runs(result)
     return frame[~frame["met"].astype(bool)]
 
 
 def by_case(result: StudyResult) -> pd.DataFrame:
-    """How many runs of each case gave which verdict, and the worst of its answers."""
+    """Number of runs by verdict for each case, and its worst digits, residual and time."""
     frame = runs(result)
     gave = {verdict: frame["verdict"] == verdict for verdict in VERDICTS}
     accurate = frame["digits"].where(gave["accurate"])
@@ -137,20 +137,20 @@ def by_case(result: StudyResult) -> pd.DataFrame:
 
 
 def headline(result: StudyResult) -> str:
-    """How many runs gave which verdict."""
+    """Number of runs by verdict."""
     frame = runs(result)
     counts = frame["verdict"].value_counts()
     told = ", ".join(f"{number(int(counts.get(kind, 0)))} {kind}" for kind in VERDICTS)
     return (
         f"{number(len(frame))} runs of {frame['case'].nunique()} cases: {told}; "
-        f"{number(len(not_met(result)))} not as the catalogue says."
+        f"{number(len(not_met(result)))} not as expected."
     )
 
 
 def fault(result: StudyResult) -> str:
-    """The runs that are not as the catalogue says, if any."""
+    """Error message that names the cases with unexpected runs, or ""."""
     names = list(dict.fromkeys(not_met(result)["case"]))
-    return f"runs are not as the catalogue says: {', '.join(names)}" if names else ""
+    return f"runs with unexpected verdicts or warnings: {', '.join(names)}" if names else ""
 
 
 COLUMNS = {
@@ -166,7 +166,7 @@ COLUMNS = {
 _OF_A_RUN = COLUMNS | {"seconds": Column("time", "s", shown(3))}
 STUDY = Study(
     name="stability",
-    title="Stiff and extreme scenes beside references",
+    title="Stiff and extreme scenes against references",
     options=Options,
     cases=cases,
     evaluate=evaluate,
@@ -176,12 +176,14 @@ STUDY = Study(
     sections=[
         Section(
             "Verdicts",
-            "A run is accurate, warned of, refused, or WRONG: a wrong answer without a word. The "
-            "catalogue says beforehand which verdicts may come out.",
+            "A run is accurate, warned of, refused, or WRONG: a wrong answer without a warning. "
+            "The catalogue states the allowed verdicts in advance.",
             headline,
             [
                 Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS),
-                Table("not_met", "Runs not as the catalogue says.", not_met, COLUMNS, printed=True),
+                Table(
+                    "not_met", "Runs not as the catalogue expects.", not_met, COLUMNS, printed=True
+                ),
             ],
         ),
         Section("Every run", tables=[Table("runs", "Every run.", runs, _OF_A_RUN)]),

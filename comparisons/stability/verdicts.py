@@ -1,8 +1,8 @@
 """The verdict on a run: accurate, warned, refused, or WRONG.
 
-Eigenvalues are compared through kappa = -lambda^2, which is smooth where lambda vanishes: errors
-are those of lambda, abs(kappa - true) / (2 abs(true)), relative to a small part of the window where
-a motion is rigid.
+Eigenvalues are compared by kappa = -lambda^2, which is smooth where lambda vanishes: errors are
+those of lambda, abs(kappa - true) / (2 abs(true)), for rigid motions relative to a small part of
+the window.
 """
 
 from contextlib import suppress
@@ -19,27 +19,27 @@ from comparisons.stability.case import Run
 from comparisons.stability.problems import NOT_COMPLETE, UNDECIDED, Answer, StressAnswer
 from scenes.spec.problems import SceneError
 
-_RIGID = 1e-4  # part of the window's kappa that errors of smaller eigenvalues are relative to
-_REACH = 0.25  # largest relative error of lambda of an eigenvalue that stands for a true one
-_BEYOND = 2.0  # part of kappa beyond the window's up to which true eigenvalues are looked at
-_OPEN = {UNDECIDED, NOT_COMPLETE}  # what an answer leaves open that is right as far as it goes
+_RIGID = 1e-4  # part of the window's kappa to which errors of smaller eigenvalues are relative
+_REACH = 0.25  # relative error of lambda up to which an eigenvalue is matched with a true one
+_BEYOND = 2.0  # true eigenvalues are used up to 1 + this times the window's kappa
+_OPEN = {UNDECIDED, NOT_COMPLETE}  # marks of answers that are right but leave modes open
 _GAPS = 2  # gaps between frequencies among which the widest ends a window
-_CLEAR = 2.0  # factor on the threshold beyond which growth is on one side of it
+_CLEAR = 2.0  # factor on the threshold beyond which a growth rate is clearly above or below it
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """An answer beside the true one."""
+    """Errors of an answer against the true one."""
 
     error: float  # worst relative error, infinite where a mode is missing or spurious
-    missing: int = 0  # true eigenvalues of the window that were not found
-    spurious: int = 0  # found ones that stand for none
-    admitted: bool = False  # whether no mode is farther off than it says itself that it may be
-    false_claim: str = ""  # what is called stable or unstable and is not, in words
+    missing: int = 0  # true eigenvalues of the window that are missing
+    spurious: int = 0  # computed eigenvalues that match no true one
+    admitted: bool = False  # whether all errors are within the stated uncertainties
+    false_claim: str = ""  # wrong claim of stability, in words
 
 
 def judged(run: Run) -> dict[str, Any]:
-    """What came out of a run, as a row; None where there is no such number."""
+    """Solve a run and return its verdict and errors as a row; None for missing numbers."""
     answer: Answer | StressAnswer | None = None
     found: Comparison | None = None
     begun = perf_counter()
@@ -86,7 +86,7 @@ def window_end(true: Complexes, lowest: int) -> float:
 
 
 def _answered(run: Run, answer: Answer | StressAnswer, found: Comparison) -> dict[str, Any]:
-    """Verdict on a run with an answer, which was compared with the true one."""
+    """Verdict on an answer that was compared with the true one."""
     if found.false_claim:
         return _wrong(found.false_claim)
     said = [kind for kind in answer.says if kind not in run.warnings]
@@ -98,18 +98,18 @@ def _answered(run: Run, answer: Answer | StressAnswer, found: Comparison) -> dic
     if found.missing or found.spurious:
         what = f"{found.missing} modes missing, {found.spurious} spurious"
     if found.admitted and found.error > run.tolerance:
-        what = f"{what}, which its uncertainties admit"
+        what = f"{what}, within its uncertainties"
     if said or found.admitted:
         reason = "; ".join(part for part in (what, says) if part)
         return {"verdict": "warned", "reason": reason, "met": "warned" in run.expected}
-    return _wrong(f"{what}, without a word of it")
+    return _wrong(f"{what}, without a warning")
 
 
 def compared(answer: Answer | StressAnswer, true: Complexes, tolerance: float) -> Comparison:
-    """Modes of a window beside all true ones far beyond it, or stresses beside a uniform one.
+    """Compare modes with the true ones, also beyond the window, or stresses with a uniform one.
 
-    A mode may lie on either side of the window's end within the relative ``tolerance``, and true
-    eigenvalues within it are compared by their mean: near a coalescence they lose half the digits.
+    Within the relative ``tolerance`` a mode may lie on either side of the window's end. Clusters of
+    true eigenvalues are compared by their mean: near a coalescence each loses half the digits.
     """
     if isinstance(answer, StressAnswer):
         return Comparison(float(np.abs(answer.stresses / true.real[0] - 1).max()))
@@ -138,7 +138,7 @@ def compared(answer: Answer | StressAnswer, true: Complexes, tolerance: float) -
 
 
 def _errors(difference: Complexes, kappa: Complexes, scale: Floats, tolerance: float) -> Floats:
-    """Relative errors; in a group those of its mean, and the squares of those of its members."""
+    """Relative errors; in a cluster the larger of the mean's error and the own error squared."""
     errors = np.abs(difference) / scale
     for members in group(kappa, np.sqrt(tolerance)):
         if len(members) > 1:
@@ -150,10 +150,10 @@ def _errors(difference: Complexes, kappa: Complexes, scale: Floats, tolerance: f
 def _false_claim(
     answer: Answer, partners: Complexes, columns: Ints, slack: Floats, inside: Complexes
 ) -> str:
-    """What is called stable or unstable and clearly is not, in words; "" if nothing is.
+    """Claim of stability or instability that is clearly wrong, in words; "" if there is none.
 
-    ``partners`` are the true ones of the found modes ``columns``, each with the error that its
-    kappa may have; ``inside`` are the true modes of the window.
+    ``partners`` are the true eigenvalues of the modes ``columns``, with allowed errors ``slack`` of
+    kappa; ``inside`` are the true modes of the window.
     """
     thresholds, size = answer.thresholds, np.maximum(np.abs(partners), np.finfo(float).tiny)
     slack = np.where(partners == 0, 0, np.minimum(slack / (2 * size), np.sqrt(slack)))

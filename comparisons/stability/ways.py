@@ -16,7 +16,7 @@ class Way:
     contact: Mapping[str, Any] = field(default_factory=dict)
 
     def of(self, scene: Mapping[str, Any]) -> dict[str, Any]:
-        """A scene, as plain data, run this way; bonded contacts stay bonded."""
+        """A scene, as plain data, changed to this way; bonded contacts stay bonded."""
         data = deepcopy(dict(scene))
         for body in data["bodies"].values():
             body["backend"] = self.backend
@@ -57,7 +57,7 @@ WAYS: Ways = tuple(
 
 
 def chosen(ways: Ways, *names: str, backend: str = "", without: str = "\n") -> Ways:
-    """Those of some ways whose name begins with one of the given and does not hold a word."""
+    """Ways whose name begins with one of ``names`` and does not contain ``without``."""
     return tuple(
         way
         for way in ways
@@ -73,9 +73,9 @@ _OPEN = {"formulation": {"method": "mortar"}, "full_pass": False}
 OPEN = (Way("fe", "mortar, form left open", _OPEN), Way("iga", "mortar, form left open", _OPEN))
 """The form is left to the program."""
 ALONE = (Way("fe", "no contact"), Way("iga", "no contact"))
-"""Both backends, for scenes without contact or whose contacts say all."""
+"""Both backends, for scenes without contact or with fully specified contacts."""
 QUICK = ("GPTS, penalty", "mortar, saddle")
-"""Names of the ways of a quick run: one each of the simplest and the most careful."""
+"""Names of the ways of a quick run: one of the simplest, and one of the most accurate."""
 FEW = chosen(WAYS, "GPTS, penalty", "GPTS, saddle", "mortar")
 PAIR = chosen(WAYS, *QUICK)
 UNIFORM = (
@@ -83,4 +83,4 @@ UNIFORM = (
     *chosen(SADDLE, "GPTS,", "segments"),
     *OPEN,
 )
-"""Those that pass a uniform pressure on meshes that match, and that a law can meet."""
+"""Ways that transmit a uniform pressure on matching meshes and allow a contact law."""

@@ -1,4 +1,4 @@
-"""Sections of every page: warnings, times, what was left out, what failed, versions."""
+"""Last sections of every page: warnings, times, what was left out, failed cases, versions."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,13 +11,13 @@ from comparisons.study.sections import Section, Table
 
 
 def closing() -> list[Section]:
-    """Sections of every study: warnings, times, what was left out, what failed, versions."""
-    skipped = "What runs did without since their scenes do not need it."
+    """Last sections of every study: warnings, times, what was left out, failed cases, versions."""
+    skipped = "Parts of runs that their scenes do not need."
     return [
-        Section("Warnings", tables=[Table("warnings", "What runs warn of.", _warnings)]),
+        Section("Warnings", tables=[Table("warnings", "Warnings of runs, by kind.", _warnings)]),
         Section("Run times", tables=[Table("times", "Seconds of cases by stage.", _times)]),
         Section("Left out", tables=[Table("skipped", skipped, _left_out)]),
-        Section("Failed", tables=[Table("failed", "Cases without an answer.", StudyResult.failed)]),
+        Section("Failed", tables=[Table("failed", "Cases without a result.", StudyResult.failed)]),
         Section(
             "Parameters",
             tables=[
@@ -29,11 +29,11 @@ def closing() -> list[Section]:
     ]
 
 
-PARAMETERS = "Fields of the scenes as run, in SI units (angles in degrees); bars part values."
+PARAMETERS = "Fields of the scenes as run, in SI units (angles in degrees); bars separate values."
 
 
 def _warnings(result: StudyResult) -> pd.DataFrame:
-    """Kinds of warnings with the first of each and the number of runs that gave it."""
+    """Kinds of warnings, with the first message and the number of warnings of each kind."""
     given = [warning for run in result.runs() for warning in run["warnings"]]
     frame = pd.DataFrame(given, columns=["kind", "message"])
     found = frame.groupby("kind", sort=False)["message"].agg(["first", "size"]).reset_index()
@@ -55,14 +55,14 @@ def _left_out(result: StudyResult) -> pd.DataFrame:
 
 
 def warned(data: Mapping[str, Any]) -> pd.DataFrame:
-    """What the result must be read with."""
+    """Hints and warnings of a record."""
     hints = [{"warning": "hint", "message": hint} for hint in data.get("hints", ())]
     rows = [{"warning": w["kind"], "message": w["message"]} for w in data["warnings"]]
     return pd.DataFrame(hints + rows)
 
 
 def parameters(runs: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Fields of the scenes as run; several values, parted by bars, where runs differ."""
+    """Fields of the scenes as run; values that differ between runs are separated by bars."""
     fields = pd.json_normalize([run["scene"] for run in runs])
     values = {
         field: dict.fromkeys(plain(value) for value in fields[field].dropna())

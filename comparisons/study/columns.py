@@ -1,4 +1,4 @@
-"""Columns of tables: title, unit and form of the quantities that studies share."""
+"""Columns of tables: title, unit and format of the quantities that studies share."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,14 +13,14 @@ from scenes.spec.body import backend_name
 
 @dataclass(frozen=True)
 class Column:
-    """How a column is shown; its title is that of an axis too."""
+    """Title, unit and format of a column of a table, or of an axis of a plot."""
 
     title: str
     unit: str = ""
-    show: Callable[[Any], str] | None = None  # text of a value; None: as it is, set to the left
+    show: Callable[[Any], str] | None = None  # formats a value; None: str, left-aligned
 
     def cell(self, value: Any) -> str:
-        """Text of a value; a dash where there is none."""
+        """Text of a value; a dash if it is missing."""
         if is_missing(value):
             return MISSING
         if isinstance(value, bool):
@@ -34,12 +34,12 @@ class Column:
 
     @property
     def number(self) -> bool:
-        """Whether it is set to the right and sorted by its values."""
+        """Whether the column is right-aligned and sorted by value."""
         return self.show not in (None, backend_name)
 
 
 def _stiffness(value: float) -> str:
-    """A contact stiffness, infinite where the sides are tied."""
+    """Text of a contact stiffness, ∞ if the sides are tied."""
     return number(value, 2) if isfinite(value) else "∞"
 
 
@@ -58,16 +58,16 @@ COLUMNS = {
     "condition": Column("condition", show=shown(3)),
     "error": Column("error", show=shown(2)),
 }
-"""Quantities by the name of their column; an application gives its own beside a table."""
+"""Shared columns by name; a table may define columns of its own."""
 
 
 def is_missing(value: Any) -> bool:
-    """Whether there is no value."""
+    """Whether a value is None, NA or NaN."""
     return value is None or value is pd.NA or (isinstance(value, float) and value != value)
 
 
 def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = None) -> Column:
-    """How a column is shown: as the application says, as studies share it, or by its name."""
+    """The column of a name: from ``own``, from COLUMNS, or made from its name and data type."""
     for known in (own or {}, COLUMNS):
         if name in known:
             return known[name]
@@ -77,9 +77,9 @@ def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = No
 
 
 def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:
-    """A frame with a column for each value of ``across``, whose cells are those of ``values``.
+    """Pivot a frame: a column for each value of ``across``, with cells from ``values``.
 
-    A row has the columns ``index`` in common; order is kept, and what has no row is missing.
+    Each row has one value of the columns ``index``; order is kept, absent combinations are missing.
     """
     if frame.empty:
         return frame
@@ -89,10 +89,10 @@ def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) ->
 
 
 def medians(frame: pd.DataFrame, *also: str, over: str = "repeat") -> pd.DataFrame:
-    """A row for all that differ in one label: medians of measured numbers, the first of all else.
+    """Merge rows that differ only in ``over``: medians of floats, first values of all else.
 
-    Labels stand before ``over``, which is left out, what was measured behind it; the columns
-    ``also`` tell rows of one case apart.
+    Columns before ``over`` are labels, those after it measurements; ``also`` names measured columns
+    that distinguish rows of one case. ``over`` is dropped.
     """
     if frame.empty:
         return frame

@@ -1,4 +1,4 @@
-"""Every contact formulation in its variants, as changes of a scene's contacts."""
+"""Variants of every contact formulation, as changes of a scene's contacts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -34,7 +34,7 @@ class Variant:
         return ", ".join((name, *rule.options, *(["full pass"] if self.full_pass else [])))
 
     def of(self, scene: Scene, *, P: float | None = None, p: float | None = None) -> Scene:
-        """The scene with this variant at every contact, P or p; saddle form where infinite."""
+        """The scene with this variant and P or p at every contact; saddle form if infinite."""
         contacts = {
             name: replace(
                 contact,
@@ -52,10 +52,10 @@ class Variant:
 def variants(
     backends: tuple[Backend, Backend], gauss: tuple[int, ...], grid: int, only: Sequence[str] = ()
 ) -> dict[str, Variant]:
-    """Every formulation by label that sides a and b can bear, or some of these.
+    """Formulations by label that the backends of sides a and b allow, or those in ``only``.
 
-    ``gauss`` are numbers of Gauss points per direction in each cell of side a, ``grid`` equally
-    spaced points per direction over a face (NURBS), or over a facet (mesh).
+    ``gauss`` are numbers of Gauss points per direction in each cell of side a, ``grid`` the number
+    of equally spaced points per direction on a face (NURBS) or on a facet (mesh).
     """
     a, b = backends
     collocation = (
@@ -69,7 +69,7 @@ def variants(
     own = [Variant(rule) for rule in collocation if suits(rule, a)]
     gpts = [Variant(GaussPointToSurface(n)) for n in gauss]
     lumped = [Variant(GaussPointToSurface(n, lumped=True)) for n in gauss]
-    # Collocation at both sides' own abscissae needs these to be of one kind.
+    # A full pass of collocation at the sides' own abscissae needs one backend on both sides.
     both_ways = [own[0], gpts[0]] if a == b else [gpts[0]]
     full = [replace(variant, full_pass=True) for variant in both_ways]
     yardsticks = [Variant(Segments()), Variant(Mortar())]

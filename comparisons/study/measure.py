@@ -1,4 +1,4 @@
-"""Seconds and memory of a block of work in this process."""
+"""Time and memory of a block of work in this process."""
 
 import gc
 import re
@@ -11,21 +11,21 @@ from time import perf_counter, process_time
 from cea.petsc import give_back
 
 _PROCESS = Path("/proc/self")
-_RESET_PEAK = "5"  # what clears the high-water mark of resident memory: proc(5), clear_refs
+_RESET_PEAK = "5"  # resets the peak of resident memory: proc(5), clear_refs
 
 
 @dataclass
 class Cost:
-    """What a block of work took on this rank."""
+    """Time and memory of a block of work on this rank."""
 
-    clock: float = 0.0  # seconds
-    processor: float = 0.0  # seconds: other work does not lengthen these
-    memory: float | None = None  # peak above what was held before (MB); None: not told
+    clock: float = 0.0  # wall-clock time (s)
+    processor: float = 0.0  # processor time (s), independent of other processes
+    memory: float | None = None  # peak increase of resident memory (MB); None: unknown
 
 
 @contextmanager
 def measured() -> Iterator[Cost]:
-    """Measure the block: its cost is known when it ends."""
+    """Measure a block; its cost is set when it ends."""
     gc.collect()
     give_back()
     try:

@@ -1,4 +1,4 @@
-"""Numbers as people read them: significant digits, powers of ten, counts; texts for the page."""
+"""Format of numbers: significant digits, powers of ten, counts; texts for the page."""
 
 from collections.abc import Callable
 from html import escape
@@ -6,14 +6,14 @@ from math import floor, isfinite, log10
 from typing import Any
 
 MISSING = "–"
-_SLOW = 0.1  # growth rate (1/s) from which on three digits after the point are enough
-_STILL = 1e-9  # growth rate (1/s) below which rounding alone grows
+_SLOW = 0.1  # growth rate (1/s) above which three decimals are shown
+_STILL = 1e-9  # growth rate (1/s) below which 0 is shown: it is rounding
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NARROW_SPACE = "\u202f"
 
 
 def number(value: float | None, digits: int = 3, *, sign: bool = False) -> str:
-    """Show a number with so many significant digits, but integers whole; None as a dash."""
+    """Show a number with ``digits`` significant digits, integers in full, None as a dash."""
     if value is None or not isfinite(value):
         return MISSING
     plus = "+" if sign and value > 0 else ""
@@ -27,7 +27,7 @@ def number(value: float | None, digits: int = 3, *, sign: bool = False) -> str:
 
 
 def shown(digits: int, *, sign: bool = False) -> Callable[[float | None], str]:
-    """:func:`number` with fixed options."""
+    """Return :func:`number` with fixed options."""
     return lambda value: number(value, digits, sign=sign)
 
 
@@ -37,7 +37,7 @@ def per_cent(value: float | None, digits: int = 2) -> str:
 
 
 def decimals(places: int, *, sign: bool = False) -> Callable[[float | None], str]:
-    """Show a number with so many digits after the point."""
+    """Return a function that shows a number with ``places`` decimals."""
 
     def show(value: float | None) -> str:
         if value is None:
@@ -48,7 +48,7 @@ def decimals(places: int, *, sign: bool = False) -> Callable[[float | None], str
 
 
 def growth(value: float | None) -> str:
-    """Show a growth rate (1/s), a slow one by the digits that count."""
+    """Show a growth rate (1/s) with three decimals, a slow one with three significant digits."""
     if value is None or abs(value) >= _SLOW:
         return decimals(3, sign=True)(value)
     return "0" if abs(value) < _STILL else number(value, 3, sign=True)
@@ -60,7 +60,7 @@ def counted(count: int, singular: str) -> str:
 
 
 def plain(value: Any) -> str:
-    """Show a parameter of a scene: numbers shortly, sequences with commas, fields by name."""
+    """Show a parameter of a scene: short numbers, comma-separated sequences, named fields."""
     if isinstance(value, dict):
         set_ = {name: plain(v) for name, v in value.items() if v is not None}
         return ", ".join(f"{name} = {text}" for name, text in set_.items() if text)
@@ -73,7 +73,7 @@ def plain(value: Any) -> str:
 
 
 def literal(text: Any) -> str:
-    """Text as plotly.js shows it, which reads tags in it."""
+    """Escape text for plotly.js, which interprets HTML tags."""
     return escape(str(text), quote=False)
 
 
@@ -83,5 +83,5 @@ def _times_power_of_ten(mantissa: str, exponent: int) -> str:
 
 
 def _grouped(text: str) -> str:
-    """Thousands kept apart by a narrow space, and a true minus."""
+    """Put narrow spaces between thousands, and use a true minus sign."""
     return text.replace(",", _NARROW_SPACE).replace("-", "−")

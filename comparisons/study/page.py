@@ -1,4 +1,4 @@
-"""The page of a study: one file that needs no other; CSV and PNG files beside it."""
+"""The page of a study: one self-contained file, with CSV and PNG files beside it."""
 
 import json
 from base64 import b64encode
@@ -29,7 +29,7 @@ _SCRIPTS = ("tables.js", "contents.js", "plots.js", "shapes.js", "viewer.js", "s
 
 
 def write_study(study: Study, result: StudyResult, out: Path) -> Path:
-    """Write record, arrays, tables, figures and page of a study; rank 0 alone calls it."""
+    """Write record, arrays, tables, figures and page of a study; only rank 0 calls it."""
     result.save(out)
     sections = [*study.sections, *closing()]
     return write(study.title, sections, result, out, shapes=merged(result))
@@ -45,10 +45,10 @@ def write(
     text: str = "",
     files: bool = True,
 ) -> Path:
-    """Write ``report.html``, one file that needs no other, and give its path.
+    """Write ``report.html``, one self-contained file, and return its path.
 
-    ``result`` is what frames and headlines are made of; a section that shows nothing is left out.
-    ``text`` stands above all sections; with ``files`` tables and figures are written to files too.
+    Frames and headlines are made from ``result``; empty sections are left out. ``text`` is shown
+    above all sections; with ``files`` tables and figures are also written to separate files.
     """
     to = out if files else None
     parts = [made for s in present(sections, result) if (made := _section(s, result, to, shapes))]
@@ -82,13 +82,13 @@ def write(
 
 
 def packed(content: bytes) -> str:
-    """Bytes compressed with gzip, in base64; the same for the same bytes."""
+    """Compress bytes with gzip, reproducibly, and encode them in base64."""
     return b64encode(compress(content, 9, mtime=0)).decode()
 
 
 @cache
 def _library() -> str:
-    """plotly.js of the Python package plotly as a page holds it: compressed, in base64."""
+    """plotly.js of the Python package plotly, compressed, in base64."""
     found = find_spec("plotly")
     if found is None or not found.submodule_search_locations:
         raise ModuleNotFoundError("plotly")
@@ -104,7 +104,7 @@ def present(sections: Sequence[Section], result: Any) -> Iterator[Section]:
 def _section(
     section: Section, result: Any, out: Path | None, shapes: Shapes | None
 ) -> dict[str, Any] | None:
-    """What the template shows of a section; None of one that shows nothing."""
+    """Data of a section for the template; None if the section is empty."""
     tables, drawn, images = [], list[dict[str, Any]](), list[dict[str, Any]]()
     for table in section.tables:
         frame = rows(table.frame, result)
@@ -145,7 +145,7 @@ def _section(
 
 
 def table_cells(table: Table, frame: pd.DataFrame) -> dict[str, Any]:
-    """Columns by name; cells of rows, each a text and the number that scripts sort by."""
+    """Data of a table for the template; each cell has a text and the number to sort by."""
     columns = {name: column(name, frame, table.own) for name in frame if name != "shape"}
     return {
         "name": table.name,

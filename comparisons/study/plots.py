@@ -1,4 +1,4 @@
-"""Plots of data frames: matplotlib draws PNG files, plotly.js the pages, both the same lines."""
+"""Plots of data frames: matplotlib (PNG files) and plotly.js (pages) draw the same lines."""
 
 from collections.abc import Iterator, Mapping
 from html import unescape
@@ -15,7 +15,7 @@ from comparisons.study.columns import column
 from comparisons.study.numbers import literal
 from comparisons.study.sections import Plot, rows
 
-# Colours of Okabe and Ito, told apart with any colour vision.
+# Colours of Okabe and Ito, distinguishable with any colour vision.
 ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
 BLACK, AXIS, GRID = "#222222", "#555555", "#E4E4E4"
@@ -28,7 +28,7 @@ VERDICT_MARKS = {
     "stable": ("circle", BLUE, "●"),
     "rigid": ("circle-open", GREY, "○"),
 }
-"""Marker, colour and sign of each verdict: none is told by colour alone."""
+"""Marker, colour and sign of each verdict: colour is never the only difference."""
 _OF_MATPLOTLIB = {
     "circle": "o",
     "square": "s",
@@ -38,7 +38,7 @@ _OF_MATPLOTLIB = {
     "cross": "P",
     "star": "*",
 }
-"""Markers by their names in plotly, where ``-open`` behind one leaves it empty."""
+"""Markers of matplotlib by their names in plotly, where the suffix ``-open`` means unfilled."""
 _MARKERS = tuple(_OF_MATPLOTLIB)
 _OF_BACKENDS = {"fe": ("square-open", BLUE), "iga": ("circle", VERMILION)}
 STYLE = {
@@ -59,16 +59,16 @@ _DPI = 200
 
 
 Trace = dict[str, Any]
-"""A line of a plot with its markers, as plotly.js takes it; ``customdata`` names modes."""
+"""Trace of plotly.js, a line with its markers; ``customdata`` names the modes of points."""
 
 
 def sign(verdict: str) -> str:
-    """The word of a mode, or of a run, with its sign where it has one."""
+    """A verdict on a mode or a run, preceded by its sign if it has one."""
     return f"{VERDICT_MARKS[verdict][2]} {verdict}" if verdict in VERDICT_MARKS else verdict
 
 
 def panels(plot: Plot, frame: pd.DataFrame, result: Any) -> list[tuple[str, list[Trace]]]:
-    """Panels by their titles, each with its lines."""
+    """Titles of the panels of a plot, each with its lines."""
     layers = [(frame, True, plot.lines is None and plot.style == "lines")]
     if plot.lines is not None:
         layers.insert(0, (rows(plot.lines, result), False, True))
@@ -110,7 +110,7 @@ def _traces(
 
 
 def _look(labels: Mapping[str, Any], places: Mapping[str, Any]) -> tuple[str, str]:
-    """Marker and colour of a line: a backend has its marker, anything else a colour."""
+    """Marker and colour of a line: the backend sets the marker, other labels the colour."""
     marker, colour = _OF_BACKENDS.get(labels.get("backend", ""), (_MARKERS[0], BLUE))
     for name in labels.keys() - {"backend"}:
         if name == "verdict":
@@ -123,7 +123,7 @@ def _look(labels: Mapping[str, Any], places: Mapping[str, Any]) -> tuple[str, st
 
 
 def draw(plot: Plot, frame: pd.DataFrame, result: Any) -> Figure:
-    """A figure of a plot with its points, panels side by side."""
+    """Draw a plot with matplotlib, panels side by side."""
     made = panels(plot, frame, result)
     x, y = (column(name, frame, plot.own).axis for name in (plot.x, plot.y))
     columns = min(3, len(made))
@@ -151,7 +151,7 @@ def draw(plot: Plot, frame: pd.DataFrame, result: Any) -> Figure:
 
 
 def save(figure: Figure, file: Path) -> bytes:
-    """Write a figure as PNG, whole or not at all, and give its content."""
+    """Write a figure atomically as PNG, and return its content."""
     stream = BytesIO()
     with rc_context(STYLE):
         figure.savefig(stream, dpi=_DPI, format="png")
@@ -160,7 +160,7 @@ def save(figure: Figure, file: Path) -> bytes:
 
 
 def drawn_by_page(plot: Plot, frame: pd.DataFrame, result: Any) -> list[dict[str, Any]]:
-    """Figures of plotly.js with their names and titles, one for each panel."""
+    """Name, title and plotly.js figure of each panel of a plot."""
     axes: dict[str, Any] = {
         f"{axis}axis": {
             "title": {"text": literal(column(name, frame, plot.own).axis)},

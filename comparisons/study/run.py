@@ -1,4 +1,4 @@
-"""Cases of a study are computed one after the other, and resumed where the run was killed."""
+"""Computation of the cases of a study, which resumes interrupted runs."""
 
 import json
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ _DIRTY = "-dirty"
 
 
 def selected(study: Study, options: Any, only: Mapping[str, str]) -> list[Case]:
-    """Cases whose labels have the values given as text; refused where no case has."""
+    """Cases whose labels have the values given as text; refuse values that no case has."""
     cases = list(study.cases(options))
     for name, value in only.items():
         known = any(name in case for case in cases)
@@ -48,12 +48,12 @@ def run(
     only: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> StudyResult:
-    """Compute the cases that are not stored, or all; rank 0 stores each as it is done.
+    """Compute the cases that are not stored, or all with ``anew``; rank 0 stores each when done.
 
-    A stored case, beside or in the folder ``out``, is taken where labels, scene, options and the
-    commit of the program agree; not from a checkout with changes, nor one that failed. ``only`` has
-    labels and values, as text, of the cases to compute; others are taken where they are stored.
-    Every rank has the result; :func:`finished` removes the stored cases once it is written.
+    A case stored in the folder ``out`` or beside it is reused if labels, scene, options and the
+    commit of the program agree, unless it failed or the checkout has changes. ``only`` has labels
+    and values, as text, of the cases to compute; others are included if they are stored. Every
+    rank returns the result; :func:`finished` removes the stored cases once it is written.
     """
     comm, begun = MPI.COMM_WORLD, perf_counter()
     alone = not study.process or comm.size == 1
@@ -93,7 +93,7 @@ def run(
 
 
 def key_of(study: Study, options: Any, labels: Any) -> str:
-    """Digest of everything but the program that a case depends on."""
+    """Digest of everything that a case depends on, except the program."""
     scene = as_data(study.scene(labels, options)) if study.scene else None
     given = asdict(options)
     for each in fields(options):
@@ -104,8 +104,8 @@ def key_of(study: Study, options: Any, labels: Any) -> str:
 
 
 def parts(out: Path) -> Path:
-    """Folder of cases that are done while the study runs, beside that of its result."""
-    out = out.absolute()  # the folder that one is in has no name of its own
+    """Folder of finished cases of a running study, beside the folder of its result."""
+    out = out.absolute()  # the relative path "." has no name
     return out.with_name(f"{out.name}.cases")
 
 
@@ -115,7 +115,7 @@ def finished(out: Path) -> None:
 
 
 def _known(study: Study, out: Path) -> dict[str, Computed]:
-    """Cases that may be taken: of an interrupted run, of a finished one, and shipped ones."""
+    """Cases that may be reused: of an interrupted run, of a finished one, and shipped ones."""
     found = _of_result(study, study.shipped) if study.shipped else []
     if not commit().endswith(_DIRTY):
         files = sorted(parts(out).glob("*.json"))
@@ -126,7 +126,7 @@ def _known(study: Study, out: Path) -> dict[str, Computed]:
 
 
 def _of_result(study: Study, folder: Path) -> list[Computed]:
-    """Cases of a finished result."""
+    """Cases of a finished result; none if there is no result."""
     try:
         result = read(study.name, folder)
     except InputError:

@@ -1,19 +1,19 @@
-"""Warnings of many runs in few lines: one for each kind and what it is about."""
+"""Merged warnings of many runs: one for each kind and subject."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-_LISTED = 4  # runs up to which all are named
+_LISTED = 4  # number of runs up to which all are named
 Run = tuple[Mapping[str, Any], Iterable[Mapping[str, Any]]]
-"""What sets a run apart, by name, and its warnings as plain data."""
+"""Parameters of a run by name, and its warnings as plain data."""
 
 
 def merged_warnings(runs: Sequence[Run], what: str) -> list[dict[str, Any]]:
-    """Warnings of all runs as a record has them, with the runs that gave them.
+    """Warnings of all runs in the form of a record, with the runs that gave them.
 
-    Warnings of one kind are one where they are about the same: the contact, the body and whatever
-    else their data name in words. ``places`` in ``data`` are the runs with ``point``, what sets the
-    run apart, ``message`` and ``data``; ``what`` names the runs: "values of mu".
+    Warnings of one kind are merged if all texts in their data, such as the names of the contact and
+    the body, are equal. ``places`` in ``data`` lists the runs with ``point`` (their parameters),
+    ``message`` and ``data``; ``what`` names the runs: "values of mu".
     """
     given: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for point, warnings in runs:
@@ -41,7 +41,7 @@ def kinds_at(warnings: Iterable[Mapping[str, Any]], point: Mapping[str, Any]) ->
 
 
 def _message(places: Sequence[Mapping[str, Any]], total: int, what: str) -> str:
-    """What the first says, and where that is so, or the like."""
+    """Message of the first warning, and the runs that gave it or a similar one."""
     message, points = places[0]["message"], [place["point"] for place in places]
     if total == 1:
         return str(message)
@@ -50,7 +50,7 @@ def _message(places: Sequence[Mapping[str, Any]], total: int, what: str) -> str:
         few = f": {'; '.join(map(_named, points))}" if len(points) <= _LISTED else ""
         where = f"at {len(places)} of {total} {what}{few}"
     if any(place["message"] != message for place in places):
-        where = f"so at {_named(points[0])}, and the like {where}"
+        where = f"at {_named(points[0])}, similar {where}"
     return f"{message} ({where})"
 
 

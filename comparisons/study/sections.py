@@ -1,4 +1,4 @@
-"""Sections of a page: a headline made of the numbers, fixed text, tables, plots."""
+"""Sections of a page: a headline made from the numbers, fixed text, tables, plots."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Frame = Callable[[Any], pd.DataFrame] | str
-"""Makes a data frame of a result; a text names the table of a study whose rows it has."""
+"""Function that makes a data frame from a result, or the name of a table of the study."""
 
 
 def rows(frame: Frame, result: Any) -> pd.DataFrame:
-    """The data frame of a result, of a study that was just run or read back alike."""
+    """The data frame of a result."""
     return result.frame(frame) if isinstance(frame, str) else frame(result)
 
 
@@ -34,7 +34,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Plot:
-    """Lines with markers: a panel for all values of ``panel``, a line for those of ``series``.
+    """Lines with markers: a panel for each value of ``panel``, a line for each of ``series``.
 
     A column ``shape`` of the frame names the mode of a point.
     """
@@ -44,8 +44,10 @@ class Plot:
     frame: Frame
     x: str
     y: str
-    series: Sequence[str] = ()  # columns that set lines apart: backends by marker, else by colour
-    panel: Sequence[str] = ()  # columns that set panels apart
+    series: Sequence[
+        str
+    ] = ()  # columns that distinguish lines: backend by marker, others by colour
+    panel: Sequence[str] = ()  # columns that distinguish panels
     log: str = ""  # logarithmic axes: "x", "y" or "xy"
     own: Mapping[Any, Column] = field(default_factory=dict)  # as of a table; titles of axes too
     lines: Frame | None = None  # lines without markers; points of ``frame`` are markers then
@@ -58,17 +60,17 @@ def diagram(name: str, caption: str, frame: Frame, series: Sequence[str], **more
 
 
 Drawing = Callable[[Any], "Figure | None"]
-"""Draws a figure of a result with matplotlib, or none; its name and docstring are name, caption."""
+"""Function that draws a result with matplotlib, or None; its docstring is the caption."""
 
 
 @dataclass(frozen=True)
 class Section:
-    """A section of a page; one that shows nothing is left out."""
+    """A section of a page; empty sections are left out."""
 
     title: str
     text: str = ""  # what a reader must know, written once
-    headline: Callable[[Any], str | None] | None = None  # the finding in a line, of the numbers
+    headline: Callable[[Any], str | None] | None = None  # the main result in a line
     tables: Sequence[Table] = ()
     plots: Sequence[Plot | Drawing] = ()
-    modes: bool = False  # whether the viewer of the modes that cases kept stands here
+    modes: bool = False  # whether the viewer of mode shapes is shown here
     of: str = ""  # table of rows of a study without which the section is left out

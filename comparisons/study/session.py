@@ -1,4 +1,4 @@
-"""Runs of scenes in a study: bodies are reused while they are equal, what a run took is noted."""
+"""Runs of scenes in a study: equal bodies are reused, sizes and times are recorded."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,23 +11,23 @@ from scenes import Result, run_scene
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene
 
-_REMEMBERED = 2  # runs whose bodies are remembered: cases often alternate between two backends
+_REMEMBERED = 2  # results whose bodies are reused: cases often alternate between two backends
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Where an application shows how far it is."""
+    """Callbacks that show the progress of an application."""
 
     step: Callable[[str], None] = lambda _: None  # called as a step begins
     stage: Callable[[str], None] = lambda _: None  # called for each stage in it
 
 
 class Session:
-    """What ``evaluate`` is given beside its case.
+    """Second argument of ``evaluate``, which runs scenes and keeps data of the case.
 
-    ``scene`` is the scene of the case, or scenes by name, None where the study has none; ``stage``
-    is told what is being done; ``runs`` are what the runs of the case took, ``arrays`` and
-    ``shapes`` what it kept.
+    ``scene`` is the scene of the case, or scenes by name, None if the study has none; ``stage`` is
+    called with the name of each stage; ``runs`` are records of the runs of the case, ``arrays`` and
+    ``shapes`` the data that it kept.
     """
 
     def __init__(self, options: Any, stage: Callable[[str], None] = lambda _: None) -> None:
@@ -45,8 +45,8 @@ class Session:
     def solve(self, scene: Scene | None = None, **options: Any) -> Any:
         """Run a scene, that of the case by default, with options of :func:`scenes.run_scene`.
 
-        Bodies of earlier runs are used again where their specifications are equal; the very scene
-        of the last run is not run again.
+        Bodies of earlier runs are reused if their specifications are equal; the scene of the last
+        run is not run again.
         """
         scene = scene or self.scene
         assert scene is not None, "the study gives no scene for its cases"
@@ -63,7 +63,7 @@ class Session:
         return result
 
     def note(self, result: Result) -> None:
-        """Note what a run took and left out; :meth:`solve` does it."""
+        """Record size, times, warnings and omissions of a run; :meth:`solve` calls it."""
         self.runs.append(
             {
                 "scene": as_data(result.scene),
@@ -81,11 +81,11 @@ class Session:
     def keep_modes(
         self, name: str, result: Result, numbers: Sequence[int] | None = None, title: str = ""
     ) -> list[dict[str, Any]]:
-        """Keep modes for the viewer of the page, and give a row for each mode; collective.
+        """Keep mode shapes for the viewer of the page; return a row for each mode; collective.
 
-        The shape of mode i is ``name/i``; names are unique among all cases. As many are kept as
-        there is room for, of numbers from 0, the most important first; by default all but stable
-        ones.
+        The shape of mode i is ``name/i``; names are unique among all cases. ``numbers`` are modes
+        from 0, most important first, by default all but stable ones; shapes beyond the size limit
+        of a page are left out.
         """
         if numbers is None:
             rows = result.table()

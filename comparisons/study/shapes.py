@@ -1,6 +1,6 @@
-"""Modes as a page shows them: outsides of the bodies, and displacements u, as whole numbers.
+"""Mode shapes for a page: surfaces of the bodies, and displacements u, as whole numbers.
 
-What is drawn at a phase phi is x + s Re(u e^(i phi)), at phase 0 the largest deflection.
+The page draws x + s Re(u e^(i phi)) at a phase phi; the deflection is largest at phase 0.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,15 +15,15 @@ from comparisons.study.numbers import growth, literal, number
 from comparisons.study.result import StudyResult
 from scenes import Result
 
-STEPS = 2047  # steps of a displacement on either side of zero: finer ones are noise to a compressor
+STEPS = 2047  # steps of a displacement on either side of zero: finer ones compress badly
 _POSITIONS = 2**16 - 1  # steps of a position along the longest side of a scene
-_POINTS = 4000  # points of the outsides of a scene, about: more are not seen on a screen
-_MOST = 1_500_000  # numbers of displacements kept, about: pages stay light
+_POINTS = 4000  # approximate limit of surface points of a scene: a screen shows no more
+_MOST = 1_500_000  # approximate limit of kept displacements, for the size of pages
 
 
 @dataclass
 class Shapes:
-    """What the views of a page draw, as plain data: bodies by the key of their result, and modes.
+    """Plain data that the viewers of a page draw: bodies by the key of their result, and modes.
 
     Arrays are lists of whole numbers, one for each coordinate or corner.
     """
@@ -37,9 +37,9 @@ class Shapes:
         return {"scenes": self.scenes, "modes": self.modes}
 
     def add(self, key: str, result: Result, modes: Sequence[int], title: str = "") -> None:
-        """Keep modes of a result, from 0, as many as there is room for; collective.
+        """Keep mode shapes of a result, as many as fit; collective.
 
-        The most important come first.
+        ``modes`` are numbers of modes from 0, the most important first.
         """
         from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
@@ -73,7 +73,7 @@ class Shapes:
             }
 
     def _add_scene(self, key: str, outsides: Mapping[str, Any]) -> None:
-        """Bodies of a scene: positions in a box, triangles, lines."""
+        """Keep the bodies of a scene: positions in their bounding box, triangles, lines."""
         from scenes.pictures.drawing import view_of  # brings pyvista
 
         points = [surface.points for surface in outsides.values()]
@@ -100,7 +100,7 @@ class Shapes:
 
 
 def merged(result: StudyResult) -> Shapes:
-    """Shapes that all cases kept."""
+    """Shapes of all cases together."""
     shapes = Shapes()
     for case in result.cases:
         shapes.scenes |= case["shapes"]["scenes"]
@@ -109,7 +109,7 @@ def merged(result: StudyResult) -> Shapes:
 
 
 def _whole(values: Floats | Ints) -> list[list[int]]:
-    """Rounded values of an array of rows, a list for each column."""
+    """Round an array, and return a list for each of its columns."""
     return np.round(values).astype(int).T.tolist()
 
 
@@ -121,10 +121,10 @@ def _cells(result: Result) -> dict[str, Any]:
 
 
 def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict[str, Any]:
-    """Outsides of the bodies with no more points than a page has room for, and their modes.
+    """Surfaces of the bodies, as fine as the limit of points allows, with their modes.
 
-    Their points bear ``real`` and ``imaginary`` displacements by the number of the mode, from 0;
-    their triangles the ``element`` that they are of.
+    Point data ``real i`` and ``imaginary i`` are the displacements of mode i, from 0; cell data
+    ``element`` are the elements of the triangles.
     """
     from scenes.pictures.grids import outside
 
@@ -178,7 +178,7 @@ def mode_rows(name: str, result: Result) -> list[dict[str, Any]]:
 
 
 def by_importance(result: Result) -> list[int]:
-    """Numbers of modes from 0: growing ones first, the fastest growing before, then undecided."""
+    """Numbers of modes from 0: growing ones first, by falling growth rate, then undecided ones."""
     rows = result.table()
 
     def place(i: int) -> tuple[int, float]:

@@ -14,31 +14,31 @@ from scenes.results.record import as_json
 from scenes.spec.reading import Scene
 
 Case = Mapping[str, Any]
-"""What sets a case apart: plain values by name, which are columns of every table of it."""
+"""Labels of a case: plain values by name, which are columns of each of its tables."""
 Rows = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 """A row of the table "runs", several of them, or rows by the name of their table."""
 CHOOSES: Mapping[str, Any] = {"chooses": True}
-"""Metadata of a field of options that only chooses cases: a stored case is taken whatever it is."""
+"""Metadata of an option that only selects cases: stored cases are reused whatever its value."""
 
 
 @dataclass(frozen=True)
 class Process:
-    """Cases are computed in processes of their own: a crash or an overlong case ends itself alone.
+    """Computation of cases in separate processes: a crash or a timeout ends only its own case.
 
-    A case with a label ``ranks`` runs on so many.
+    A case with a label ``ranks`` runs on that many ranks.
     """
 
-    study: str  # ``module:name`` of the study, by which the process finds it
-    seconds: float  # time for a case, the start of the process not counted
-    at_once: int = 1  # processes that share the cases
+    study: str  # ``module:name`` of the study, which the process imports
+    seconds: float  # time limit of a case, without the start of the process
+    at_once: int = 1  # number of processes that share the cases
 
 
 @dataclass(frozen=True)
 class Study:
     """Cases, what is computed for each, and how the results are shown.
 
-    All cases have the same labels; a label ``part`` sets parts of a study apart, and is not shown.
-    ``evaluate`` is collective; its values are numbers, texts, truths, and None without a number.
+    All cases have the same labels; a label ``part`` distinguishes parts of a study and is not
+    shown. ``evaluate`` is collective; its values are numbers, texts, booleans, and None if missing.
     """
 
     name: str  # of the command, of its records, and of the folder below ``results``
@@ -48,16 +48,16 @@ class Study:
     cases: Callable[[Any], Iterable[Case]]  # of given options, in the order of running
     evaluate: Callable[[Any, Session], Rows | Mapping[str, Rows]]
     sections: Sequence[Section]
-    # scene of a case, or several by name: part of what a stored case must agree in
+    # scene of a case, or several by name: a stored case is reused only if they are equal
     scene: Callable[[Any, Any], Scene | Mapping[str, Any] | None] | None = None
     quick: Mapping[str, Any] = field(default_factory=dict)  # options of ``--quick`` and of tests
-    check: Callable[[StudyResult], str] | None = None  # a fault in a line, with which it ends; ""
+    check: Callable[[StudyResult], str] | None = None  # error that ends the command, or ""
     process: Process | None = None  # None: cases are computed in this process
-    shipped: Path | None = None  # folder of results whose cases are taken at any commit
+    shipped: Path | None = None  # folder of results whose cases are reused at any commit
 
 
 def at_least_one(**fields: int) -> None:
-    """Refuse options that are no numbers from 1 on."""
+    """Refuse options below 1."""
     for name, value in fields.items():
         require(value >= 1, name, value, "1 or more")
 
@@ -65,12 +65,12 @@ def at_least_one(**fields: int) -> None:
 def evaluated(
     study: Study, labels: Case, session: Session
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A case with its tables, what its runs took and why it failed, and its arrays."""
+    """Evaluate a case: its tables, records of its runs, reason of a failure; and its arrays."""
     start, tables, failed = perf_counter(), dict[str, Any](), ""
     try:
         session.begin(study.scene(labels, session.options) if study.scene else None)
         tables = _tables(study.evaluate(labels, session))
-        as_json(tables)  # refuses what is no plain data, and what is no number
+        as_json(tables)  # refuses values that are not plain data, and NaN
     except (ConvergenceError, InputError) as error:
         tables, failed = {}, str(error) or type(error).__name__
     case = {
@@ -85,7 +85,7 @@ def evaluated(
 
 
 def _tables(rows: Any) -> dict[str, list[dict[str, Any]]]:
-    """Rows by the name of their table, their numbers those of Python, which every reader knows."""
+    """Rows by the name of their table, with numpy scalars converted to Python numbers."""
     if not isinstance(rows, Mapping):
         rows = {"runs": list(rows)}
     elif not all(isinstance(each, list) for each in rows.values()):

@@ -1,7 +1,7 @@
-"""Cases in processes of their own, on any number of ranks: a crash or an overlong case ends itself.
+"""Computation of cases in separate processes, on any number of ranks.
 
 ``python -m comparisons.study.worker MODULE:STUDY`` reads options as a line of JSON, then a case
-from each line, and answers with a line of JSON behind a mark, since libraries print what they like.
+from each line, and answers with a line of JSON after a mark, since libraries may print, too.
 """
 
 import json
@@ -25,11 +25,11 @@ from comparisons.study.session import Session
 from comparisons.study.study import Process, evaluated
 
 _MARK = "\x1eanswer "
-_STARTS = 120.0  # seconds in which a process must have begun
+_STARTS = 120.0  # time limit of the start of a process (s)
 _ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
-    "MPIR_CVAR_POLLS_BEFORE_YIELD": "1",  # ranks that wait give way: others may share their cores
+    "MPIR_CVAR_POLLS_BEFORE_YIELD": "1",  # waiting ranks yield: others may share their cores
 }
 
 
@@ -38,9 +38,9 @@ Computed = tuple[dict[str, Any], Mapping[str, Any]]  # a case, and its arrays by
 
 @contextmanager
 def workers(process: Process, options: Any) -> Iterator[Callable[[dict[str, Any]], Computed]]:
-    """What computes a case, in processes that several threads share; they end with the context.
+    """Provide a function that computes a case in a process of the calling thread.
 
-    A case has no arrays: it travels as text.
+    The processes end with the context. Cases are sent as text, without arrays.
     """
     of_threads: dict[tuple[int, int], Worker] = {}  # by thread and number of ranks
 
@@ -58,7 +58,7 @@ def workers(process: Process, options: Any) -> Iterator[Callable[[dict[str, Any]
 
 
 class Worker:
-    """Computes cases of the study ``module:name`` in a process, begun anew when it has died."""
+    """Process that computes cases of the study ``module:name``, restarted when it has ended."""
 
     def __init__(self, study: str, options: dict[str, Any], ranks: int) -> None:
         self._command = [*launcher(ranks), sys.executable, "-m", __name__, study]
@@ -66,7 +66,7 @@ class Worker:
         self._process: subprocess.Popen[str] | None = None
 
     def evaluate(self, labels: dict[str, Any], seconds: float) -> dict[str, Any]:
-        """The case; one that failed where it took longer or ended the process."""
+        """Compute a case; return a failed one if it exceeds ``seconds`` or ends the process."""
         process = self._process or self._begin()
         if line := self._ask(process, labels, seconds):
             return json.loads(line.removeprefix(_MARK))
@@ -89,11 +89,11 @@ class Worker:
         )
         self._lines: Queue[str] = Queue()
         Thread(target=_read, args=(self._process.stdout, self._lines), daemon=True).start()
-        self._ask(self._process, self._options, _STARTS)  # it is ready
+        self._ask(self._process, self._options, _STARTS)  # answered when it is ready
         return self._process
 
     def _ask(self, process: Any, question: Any, seconds: float) -> str:
-        """The marked line that answers; "" where none comes in time or the process has ended."""
+        """Marked line that answers; "" if none comes in time or the process has ended."""
         try:
             process.stdin.write(json.dumps(question) + "\n")
             process.stdin.flush()
@@ -113,17 +113,17 @@ def _read(stream: Any, lines: Queue[str]) -> None:
     for line in stream:
         if line.startswith(_MARK):
             lines.put(line)
-    lines.put("")  # it has ended
+    lines.put("")  # the process has ended
 
 
 def launcher(ranks: int) -> list[str]:
-    """What starts a program on so many ranks; refused where there is no mpiexec."""
+    """Command that starts a program on several ranks; refused if there is no mpiexec."""
     if ranks == 1:
         return []
     beside = Path(sys.executable).with_name("mpiexec")
     found = str(beside) if beside.is_file() else shutil.which("mpiexec")
     if found is None:
-        raise InputError("ranks", ranks, "1 where there is no mpiexec")
+        raise InputError("ranks", ranks, "1, since mpiexec was not found")
     return [found, "-n", str(ranks)]
 
 

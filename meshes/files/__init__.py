@@ -1,1 +1,1 @@
-"""What mesh files hold, as plain arrays: a reader for each format, and a body made of a part."""
+"""Mesh files as plain arrays: a reader for each format, and bodies made from their parts."""

@@ -1,7 +1,7 @@
 """Content of a deck of Abaqus or CalculiX: parts and their instances, sets and surfaces.
 
-Labels ignore case. Sets and surfaces are worked out when they are asked for: what a body does not
-use may be of a kind that is not known here.
+Labels ignore case. Sets and surfaces are resolved only when a body uses them: others may be of
+unsupported kinds.
 """
 
 import re
@@ -43,16 +43,16 @@ _OTHER_SOLIDS = ("C3D15V", "C3D27")
 _NAMES = {(kind.reference.shape[1], len(kind.groups)): name for name, kind in KINDS.items()}
 """Names in the table of kinds by dimension and number of nodes."""
 _NOT_READ = re.compile("NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM|PARAMETER|IMPORT|IMPERFECTION")
-"""Keywords that make, move or bring along nodes and elements."""
+"""Keywords that generate, move or import nodes and elements: they are refused."""
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
 
 
 @dataclass(eq=False)
 class Scope:
-    """What a part or an instance holds, or a deck outside of both.
+    """Content of a part, of an instance, or of a deck outside of both.
 
-    Sets are listed as one keyword after the other gives their members; ``first_node`` and
-    ``first_element`` are where those of an instance begin in the content.
+    ``sets`` are the keywords that list members, in their order; ``first_node`` and
+    ``first_element`` are the first rows of an instance in the content.
     """
 
     name: str = ""
@@ -66,12 +66,12 @@ class Scope:
     first_element: int = 0
 
     def placed(self, name: str, placing: list[list[str]]) -> "Scope":
-        """An instance of the part, to which its own nodes, elements and sets are added."""
+        """An instance with the content of the part, to which its own is added."""
         lists = [*self.nodes], [*self.elements], [*self.sets], [*self.told]
         return Scope(name, placing, *lists)
 
     def take(self, keyword: Keyword) -> None:
-        """Take in what a keyword holds; keywords that say nothing of the mesh are passed over."""
+        """Add the content of a keyword; ignore keywords that do not concern the mesh."""
         match keyword.name:
             case "NODE":
                 keyword.check("NSET", "SYSTEM", "INPUT")
@@ -117,10 +117,10 @@ class Scope:
             self.sets.append(("surface", name, keyword))
 
     def place(self, first_node: int, first_element: int) -> Floats:
-        """Count nodes and elements on from others; where its nodes are, (n, 3)."""
+        """Number nodes and elements from given first rows; return positions of nodes, (n, 3)."""
         self.first_node, self.first_element = first_node, first_element
         points = np.empty((0, 3))
-        if self.nodes:  # of those given again the last
+        if self.nodes:  # the last one if a node is given again
             every, at = (np.concatenate(parts) for parts in zip(*self.nodes, strict=True))
             self.numbers, last = np.unique(every[::-1], return_index=True)
             points = at[::-1][last]
@@ -131,7 +131,7 @@ class Scope:
         return self._moved(points)
 
     def _moved(self, points: Floats) -> Floats:
-        """Points of a part where its instance stands: shifted, then turned about an axis."""
+        """Points of an instance: those of its part translated, then rotated about an axis."""
         try:
             lines = [np.array([float(each) for each in line if each]) for line in self.placing]
         except ValueError:
@@ -149,7 +149,7 @@ class Scope:
         return points
 
     def of(self, kind: Type, name: str) -> list[Keyword | Ints]:
-        """What lists the members of a set, keyword by keyword; of a surface, the last alone."""
+        """Keywords that list the members of a set, in order; of a surface only the last."""
         listed = [m for of, own, m in self.sets if of == kind and own.upper() == name.upper()]
         return listed[-1:] if kind == "surface" else listed
 
@@ -162,11 +162,10 @@ class Scope:
 
 
 def abaqus_content(file: Path) -> FileContent:
-    """Nodes, elements, sets and surfaces of a deck.
+    """Read nodes, elements, sets and surfaces of a deck.
 
-    Sets and surfaces of parts have the name they have there, those of several instances together;
-    and, behind the name of the instance and a dot, those of each. All elements of an instance are a
-    set by its name.
+    Sets and surfaces of parts keep their names, joined over all instances; those of one instance
+    follow its name and a dot. All elements of an instance are a set with its name.
     """
     every = _scopes(file)
     points: list[Floats] = []
@@ -185,7 +184,7 @@ def abaqus_content(file: Path) -> FileContent:
 
 
 def _scopes(file: Path) -> list[Scope]:
-    """What stands outside of parts, then the instances of parts, or the parts without any."""
+    """Content outside of parts, then the instances of parts, or the parts if there are none."""
     flat, parts, instances = Scope(), dict[str, Scope](), list[Scope]()
     inside = flat
     for keyword in keywords_of(file):
@@ -207,7 +206,7 @@ def _scopes(file: Path) -> list[Scope]:
             case "END PART" | "END INSTANCE" | "ASSEMBLY" | "END ASSEMBLY":
                 inside = flat
             case "STEP":
-                break  # from here on it says what is done
+                break  # no mesh follows
             case _:
                 inside.take(keyword)
     return [flat, *(instances or parts.values())]
@@ -218,9 +217,9 @@ def _joined(parts: Iterable[Ints]) -> Ints:
 
 
 class _Resolver:
-    """Finds what sets and surfaces of a deck have as members.
+    """Finds the members of sets and surfaces of a deck.
 
-    A set is told by its kind, the scope in which it is looked for, and its name there.
+    A set is identified by its kind, the scope in which it is looked up, and its name there.
     """
 
     def __init__(self, content: FileContent, scopes: dict[str, Scope]) -> None:
@@ -228,7 +227,7 @@ class _Resolver:
         self.members = cache(self._members)
 
     def with_sets(self) -> FileContent:
-        """The content with its sets, after a look at the names in them."""
+        """Check the names in sets, and return the content with its sets."""
         for key, scope in self.scopes.items():
             for kind, _, listed in scope.sets:
                 if kind == "surface" or not isinstance(listed, Keyword):
@@ -262,7 +261,7 @@ class _Resolver:
         return np.unique(np.concatenate(parts), axis=0)
 
     def _place(self, kind: Type, key: str, name: str) -> tuple[str, str]:
-        """Scope and name of a set that a scope has or names; a whole instance has no name."""
+        """Scope and name of a set that a scope has or names; "" for a whole instance."""
         if self.scopes[key].of(kind, name):
             return key, name
         instance, dot, inner = name.partition(".")
@@ -272,7 +271,7 @@ class _Resolver:
         return instance.upper(), inner
 
     def _inside(self, key: str, keyword: Keyword) -> str:
-        """Scope in which the members of a set are looked for."""
+        """Scope in which the members of a set are looked up."""
         instance = keyword.parameters.get("INSTANCE", key).upper()
         require(instance in self.scopes, "file", instance, "an instance that the deck has")
         return instance
@@ -308,7 +307,7 @@ class _Resolver:
         return _joined([self.scopes[key].rows(kind, numbers), *of_sets])
 
     def _faces(self, key: str, keyword: Keyword) -> Ints:
-        """Elements and their faces that a surface has, -1 for all free ones, (n, 2)."""
+        """Elements and faces of a surface, -1 for all free faces, (n, 2)."""
         keyword.check("NAME", "TYPE", "COMBINE", "INTERNAL")
         how = keyword.parameters.get("COMBINE", "").upper()
         if not how:

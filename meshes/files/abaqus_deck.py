@@ -12,10 +12,10 @@ from cea.errors import InputError, require
 from meshes.files.sandbox import text_with_included
 
 _KEYWORD = re.compile(r"^[ \t]*\*((?:[^\n]*,[ \t]*\n(?![ \t]*\*))*[^\n]*)", re.MULTILINE)
-"""A line that begins with one star; it goes on where it ends with a comma."""
+"""A line that begins with one star, continued after a final comma."""
 _COMMENT = re.compile(r"^[ \t]*\*[ \t]*\*[^\n]*\n?", re.MULTILINE)
 _MOST = 10**8
-"""Members of a set."""
+"""Largest number of members of a range."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +27,13 @@ class Keyword:
     data: str
 
     def needed(self, parameter: str) -> str:
-        """Value of a parameter."""
+        """Value of a required parameter."""
         value = self.parameters.get(parameter, "")
         require(bool(value), "file", f"*{self.name}", f"a keyword with {parameter}=")
         return value
 
     def check(self, *known: str) -> None:
-        """Refuse parameters that may change what is meant in a way that is not known."""
+        """Refuse unknown parameters, which may change the meaning of the keyword."""
         for name, value in self.parameters.items():
             if name not in known:
                 told = f"*{self.name}, {name}" + (f"={value}" if value else "")
@@ -57,10 +57,10 @@ class Keyword:
         return self._whole(values[:, 0]), values[:, 1:]
 
     def elements(self, size: int) -> tuple[Ints, int]:
-        """Numbers and nodes of elements, (n, size + 1), and how many list more than that.
+        """Numbers and nodes of elements, (n, size + 1), and how many list more numbers.
 
-        An element ends with the line on which it has all its nodes, or with what goes on behind
-        them after a comma.
+        An element ends with the line that completes its nodes, or with the lines that continue it
+        after a comma.
         """
         width, longer, whole, joined = size + 1, 0, True, True
         fields: list[str] = []
@@ -81,7 +81,7 @@ class Keyword:
         return self._whole(self._numbers(fields)).reshape(-1, width), longer
 
     def members(self) -> tuple[Ints, list[str]]:
-        """Numbers that a set has, and names of other sets."""
+        """Numbers of the members of a set, and names of sets in it."""
         if "GENERATE" in self.parameters:
             ranges = [self._range([each for each in line if each]) for line in self.lines]
             return np.concatenate([np.empty(0, dtype=np.int64), *ranges]), []
@@ -91,7 +91,7 @@ class Keyword:
         return numbers, list(dict.fromkeys(names))
 
     def _range(self, given: list[str]) -> Ints:
-        """Numbers that first, last and step stand for."""
+        """Numbers from first to last by a step."""
         step, first, last = 0, 0, 0
         if 2 <= len(given) <= 3 and all(is_number(each) for each in given):
             first, last, step = [*map(int, given), 1][:3]
@@ -100,7 +100,7 @@ class Keyword:
         return np.arange(first, last + 1, step)
 
     def _numbers(self, fields: list[str]) -> Floats:
-        """Fields as numbers; Fortran writes 1.D-3 as well."""
+        """Fields as numbers, also in the form 1.D-3 of Fortran."""
         try:
             values = np.array([float(each.replace("D", "E").replace("d", "e")) for each in fields])
         except ValueError as error:
@@ -120,7 +120,7 @@ def is_number(text: str) -> bool:
 
 
 def keywords_of(file: Path) -> Iterator[Keyword]:
-    """Keywords of a deck in their order, with those of files that it includes."""
+    """Yield the keywords of a deck in their order, with those of included files."""
     text = text_with_included(file, _KEYWORD, _included, lambda each: _COMMENT.sub("", each))
     _, *parts = _KEYWORD.split(text)
     for head, data in zip(parts[::2], parts[1::2], strict=True):
@@ -128,7 +128,7 @@ def keywords_of(file: Path) -> Iterator[Keyword]:
 
 
 def _keyword(head: str, data: str = "") -> Keyword:
-    """A keyword from its line, joined to those that continue it."""
+    """A keyword from its line, joined with its continuation lines."""
     name, *parameters = head.replace("\n", " ").split(",")
     values = (each.partition("=") for each in parameters if each.strip())
     found = {" ".join(key.upper().split()): value.strip().strip('"') for key, _, value in values}
@@ -136,7 +136,7 @@ def _keyword(head: str, data: str = "") -> Keyword:
 
 
 def _included(match: re.Match[str]) -> tuple[str, str] | None:
-    """What stays of a keyword with the name of a file, and that name."""
+    """Text to keep of a keyword that includes a file, and the file; None of other keywords."""
     keyword = _keyword(match[1])
     if keyword.name == "INCLUDE":
         keyword.check("INPUT")

@@ -1,4 +1,4 @@
-"""Content of Ansys archives (CDWRITE); run as a program, mapdl-archive reads one as arrays."""
+"""Content of Ansys archives (CDWRITE); run as a program, converts one with mapdl-archive."""
 
 import re
 import sys
@@ -25,7 +25,7 @@ _HEAD = 10
 _SOLIDS = {45: 8, 185: 8, 95: 20, 186: 20, 285: 4, 92: 10, 187: 10}
 """Nodes of hexahedra and tetrahedra by the number of their type."""
 _MARKS = (154, 170, 173, 174, 175, 177)
-"""Surface loads, and sides of contacts: they bear nothing of a body."""
+"""Types of surface loads and of sides of contacts: they are no part of a body."""
 _NODES = re.compile(
     rb"(?im)^[ \t]*NBLOCK,.*\n(?:[ \t]*\(.*\n)?(?:[ \t]*\d.*\n)*"
     rb"(?:[ \t]*(?:N,[^\n]*,)?[ \t]*-1.*\n)?"
@@ -37,11 +37,11 @@ _OF_BRICK = {
     "wedge": [0, 1, 2, 4, 5, 6, 8, 9, 11, 12, 13, 15, 16, 17, 18],
     "hexahedron": list(range(20)),
 }
-"""Nodes of other elements among those of a brick whose other nodes fall on them."""
+"""Nodes of each cell among those of a degenerate brick."""
 
 
 def ansys_content(file: Path) -> FileContent:
-    """Nodes, elements and components of an archive.
+    """Read nodes, elements and components of an archive.
 
     Elements of each material and type are sets as well, ``material 1`` and ``type 2``.
     """
@@ -70,7 +70,7 @@ def ansys_content(file: Path) -> FileContent:
 
 
 def _blocks(kind: int, numbers: Ints, nodes: Ints, known: Ints) -> Iterator[ElementBlock]:
-    """Elements of a type, those of each cell."""
+    """Yield the elements of a type, a block for each cell."""
     name, count = f"type {kind}", _SOLIDS.get(kind, 1000)
     if nodes.shape[1] < count:
         yield without_nodes(name, numbers, "mark" if kind in _MARKS else "structural")
@@ -109,7 +109,7 @@ def _write_arrays(archive: str, arrays: str) -> None:
     read = Archive(archive, parse_vtk=False)
     numbers, nodes = read.nnum, np.asarray(read.nodes)
     blocks = _NODES.findall(Path(archive).read_bytes())
-    if len(blocks) > 1:  # of several, the library keeps one
+    if len(blocks) > 1:  # the library keeps only one of several
         one, each = f"{arrays}.cdb", []
         for block in blocks:
             Path(one).write_bytes(b"/PREP7\n" + block + b"FINISH\n")
@@ -136,5 +136,5 @@ def _write_arrays(archive: str, arrays: str) -> None:
 if __name__ == "__main__":
     try:
         _write_arrays(*sys.argv[1:])
-    except Exception:  # whatever comes up in a broken file, mostly in words of no use
-        sys.exit("it is not as CDWRITE writes blocked archives")
+    except Exception:  # broken files raise any error, mostly without a useful message
+        sys.exit("it is not a blocked archive as written by CDWRITE")

@@ -17,19 +17,19 @@ from meshes.files.elements import CORNERS, FACES, KINDS, full_kind
 
 Role = Literal["solid", "mark", "structural"]
 _FARTHEST = 1e50
-"""Coordinates whose squares and cubes are numbers."""
+"""Bound of coordinates, so that their squares and cubes do not overflow."""
 
 
 @dataclass(frozen=True, eq=False)
 class ElementBlock:
     """Elements of one kind.
 
-    Their name in the file, e.g. C3D20R, their cell, ``wedge``, ``pyramid``, ``line`` or another
-    word for what makes no body; order of the geometry; numbers in the file, (n,); rows of their
-    nodes among the points, (n, n_nodes), corners first and up to order 2 as :data:`KINDS` has
-    them; where these lie in the reference cell, (n_nodes, dim). Bodies are made of ``solid`` ones,
-    which mark faces of those of more dimensions; ``mark``: of faces alone; ``structural``: shells,
-    beams, springs and the like.
+    ``kind`` is their name in the file, e.g. C3D20R; ``cell`` a cell, ``wedge``, ``pyramid``,
+    ``line`` or another word for elements that form no body; ``order`` that of the geometry;
+    ``numbers`` those in the file, (n,); ``nodes`` rows of the points, (n, n_nodes), corners first,
+    up to order 2 as in :data:`KINDS`; ``reference`` nodes of the reference cell, (n_nodes, dim).
+    By ``role``, ``solid`` elements form bodies or mark faces of elements of higher dimension,
+    ``mark`` ones only mark faces, ``structural`` ones are shells, beams, springs and the like.
     """
 
     kind: str
@@ -49,7 +49,7 @@ class ElementBlock:
 
     @property
     def dim(self) -> int:
-        """Dimension of its cells; 0 of what is none."""
+        """Dimension of its cells; 0 if they are unknown."""
         return CORNERS[self.cell].shape[1] if self.cell in CORNERS else 0
 
     @property
@@ -72,12 +72,12 @@ def block(
 
 
 def without_nodes(kind: str, numbers: Ints, role: Role) -> ElementBlock:
-    """Elements that make no body, of which no nodes are read."""
+    """Elements that form no body, without their nodes."""
     return ElementBlock(kind, "other", 1, numbers, np.empty((len(numbers), 0), int), role=role)
 
 
 class Sets(Mapping[str, Ints]):
-    """Sets by name, each worked out when it is asked for; some are found whatever their case."""
+    """Sets by name, each resolved on access; names may ignore case."""
 
     def __init__(
         self, names: Iterable[str], find: Callable[[str], Ints], *, any_case: bool = False
@@ -103,12 +103,12 @@ class Sets(Mapping[str, Ints]):
 
 @dataclass(frozen=True, eq=False)
 class FileContent:
-    """What a mesh file holds.
+    """Content of a mesh file.
 
-    Nodes in the unit of the file, (n, 3), and their numbers; the elements; elements of each set,
-    counted through the blocks; nodes of each set, as rows of the points; faces of each set,
-    (n, 2): elements, and which of their faces, 0 for S1 as :data:`meshes.files.elements.FACES` has
-    them, -1 for all that are free; what was left out.
+    ``points`` are nodes in the unit of the file, (n, 3), ``node_numbers`` their numbers; sets have
+    elements, counted through the blocks; nodes, as rows of the points; or faces, (n, 2): elements
+    and the index of the face, 0 for S1 in :data:`meshes.files.elements.FACES`, -1 for all free
+    ones. ``told`` lists what was left out.
     """
 
     points: Floats
@@ -125,7 +125,7 @@ class FileContent:
 
     @property
     def starts(self) -> Ints:
-        """Number of the first element of each block, and of all elements, (blocks + 1,)."""
+        """First element of each block, and number of all elements, (blocks + 1,)."""
         return np.concatenate([[0], np.cumsum([len(block) for block in self.blocks])]).astype(int)
 
     @property
@@ -143,7 +143,7 @@ class FileContent:
         return tuple(dict.fromkeys([*self.face_sets, *self.element_sets, *self.node_sets]))
 
     def by_block(self, elements: Ints) -> Iterator[tuple[ElementBlock, Ints]]:
-        """Elements of each block among given ones, as rows of the block."""
+        """Yield each block with its elements among given ones, as rows of the block."""
         for block, start in zip(self.blocks, self.starts, strict=False):
             yield block, elements[(elements >= start) & (elements < start + len(block))] - start
 
@@ -158,7 +158,7 @@ class FileContent:
 
 
 def without_copies(content: FileContent) -> FileContent:
-    """The content with elements that are there again, for another set, made one with the first."""
+    """The content without repeated elements, which files list once more for another set."""
     marks = node_marks(len(content.points))
     cells = {cell: i for i, cell in enumerate(sorted({block.cell for block in content.blocks}))}
     keys = np.concatenate(
@@ -183,17 +183,17 @@ def without_copies(content: FileContent) -> FileContent:
 
 
 def node_marks(n_points: int) -> NDArray[np.uint64]:
-    """A random number for each node: sums tell apart facets without sorting their corners."""
+    """A random number for each node: sums identify facets without sorting their corners."""
     return np.random.default_rng(0).integers(2**63, size=n_points, dtype=np.uint64)
 
 
 def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:
-    """Rows of wanted numbers among numbers in any order, of any shape."""
+    """Rows of wanted numbers, of any shape; refuse unknown numbers and repeated ones."""
     rows = _rows(numbers, wanted)
     rising = np.sort(numbers)
     for wrong, allowed in (
-        (rising[1:][np.diff(rising) == 0], f"numbers of {what} that are there once"),
-        (wanted[rows < 0], f"a number of {what} that the file has: it is used"),
+        (rising[1:][np.diff(rising) == 0], f"a number of {what} that occurs once"),
+        (wanted[rows < 0], f"a number of {what} that the file has: it is used, but not defined"),
     ):
         if wrong.size:
             raise InputError("file", int(wrong[0]), allowed)
@@ -201,13 +201,13 @@ def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:
 
 
 def known_rows(numbers: Ints, wanted: Ints) -> Ints:
-    """Rows of those wanted numbers that are there, (n,); sets may name what a file left out."""
+    """Rows of the wanted numbers that exist, (n,); sets may name others."""
     rows = _rows(numbers, wanted)
     return rows[rows >= 0]
 
 
 def _rows(numbers: Ints, wanted: Ints) -> Ints:
-    """Rows of wanted numbers, -1 of those that are not there."""
+    """Rows of wanted numbers, -1 for unknown ones."""
     if not len(numbers):
         return np.full(wanted.shape, -1, dtype=np.int64)
     order = np.argsort(numbers, kind="stable")
@@ -216,21 +216,21 @@ def _rows(numbers: Ints, wanted: Ints) -> Ints:
 
 
 def shown(names: Iterable[str], limit: int = 20) -> str:
-    """Names for a message, not more than fit."""
+    """Names for a message, at most ``limit``."""
     known = list(names)
     more = f" and {len(known) - limit} more" if len(known) > limit else ""
     return ", ".join(known[:limit]) + more if known else "none"
 
 
 def first_of_near(points: Floats, distance: float) -> Ints:
-    """Number of the first of the points that a chain of steps below a distance joins to each."""
+    """For each point, the first point that a chain of steps below a distance joins to it."""
     pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
     group = connected(pairs, len(points))
     return np.unique(group, return_index=True)[1][group].astype(np.int64)
 
 
 def named_sides(mesh: Mesh) -> dict[str, NDArray[np.bool_]]:
-    """Which facets of which cells have each name, (n_cells, n_facets)."""
+    """Whether each facet of each cell belongs to each named surface, (n_cells, n_facets)."""
     marks = node_marks(len(mesh.points))
     of_cell = [mesh.cells[:, local] for local in facet_nodes(mesh.cell, mesh.order)]
     sums = np.stack([marks[nodes].sum(axis=1) for nodes in of_cell], axis=1)
@@ -240,6 +240,6 @@ def named_sides(mesh: Mesh) -> dict[str, NDArray[np.bool_]]:
 
 
 def facets_on(cell: Cell, order: int, cells: Ints, on: NDArray[np.bool_]) -> Ints:
-    """Facets of cells where ``on``, (n_cells, n_facets), holds."""
+    """Facets of cells where ``on``, (n_cells, n_facets), is true."""
     facets = enumerate(facet_nodes(cell, order))
     return np.concatenate([cells[on[:, i]][:, local] for i, local in facets])

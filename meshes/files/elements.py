@@ -1,7 +1,7 @@
 """Types of elements, one table for every format: nodes of the reference cell, edges and faces.
 
 Nodes are in the order of VTK, Abaqus and Ansys: corners, middles of edges, middles of faces and of
-the cell. Readers translate what a file has into this table.
+the cell. Readers convert the elements of a file to this table.
 """
 
 from typing import NamedTuple
@@ -12,13 +12,13 @@ from cea.arrays import Floats, Ints
 from cea.mesh import Cell, facet_nodes, node_order
 
 _SAME = 1e-6
-"""Reference nodes nearer than this are one."""
+"""Distance from a face of the reference cell below which a node lies on it."""
 DIVIDED = ("wedge", "pyramid")
-"""Cells that a mesh has as tetrahedra alone (:mod:`meshes.files.tetrahedra`)."""
+"""Cells that are always divided into tetrahedra (:mod:`meshes.files.tetrahedra`)."""
 
 
 class Kind(NamedTuple):
-    """Cell, order, corners whose mean each node is, nodes of the reference cell from 0 to 1."""
+    """Cell, order, corners whose mean is each node, nodes of the reference cell from 0 to 1."""
 
     cell: str
     order: int
@@ -107,7 +107,7 @@ def side_nodes(cell: str, reference: Floats) -> list[Ints]:
 
 
 def facet_sides(cell: Cell) -> Ints:
-    """Face, 0 for S1, that each facet is as :func:`cea.mesh.facet_nodes` counts them."""
+    """Face, 0 for S1, of each facet in the order of :func:`cea.mesh.facet_nodes`."""
     corners = node_order(cell, 1, CORNERS[cell])
     sides = [set(face) for face in FACES[cell]]
     facets = facet_nodes(cell, 1)

@@ -1,4 +1,4 @@
-"""Content of files of gmsh; run as a program, gmsh reads one and this writes it as arrays."""
+"""Content of gmsh files; run as a program, reads one with gmsh and writes it as arrays."""
 
 import json
 import sys
@@ -25,14 +25,14 @@ _CELLS = {
 }
 """Cells by the first word of gmsh's names."""
 _WORDS = {1: "curve", 2: "surface", 3: "volume"}
-"""What groups without a name are called, before their number."""
+"""Names of unnamed groups by dimension, before their number."""
 _FROM = {
     "quadrilateral": [-1, -1],
     "hexahedron": [-1, -1, -1],
     "pyramid": [-1, -1, 0],
     "wedge": [0, 0, -1],
 }
-"""Where gmsh's reference cells begin that are not those from 0 to 1; all end at 1."""
+"""Lower ends of gmsh's reference cells that do not begin at 0; all end at 1."""
 
 
 def gmsh_content(file: Path) -> FileContent:
@@ -52,7 +52,7 @@ def content_of(arrays: Mapping[str, Any]) -> FileContent:
         rows = rows_of(nodes, arrays[f"nodes {i}"], "a node")
         blocks.append(_block(name, dim, order, local, arrays[f"numbers {i}"], rows))
     numbers = np.concatenate([np.empty(0, dtype=np.int64), *(block.numbers for block in blocks)])
-    sets: dict[str, Ints] = {}  # groups of one name together
+    sets: dict[str, Ints] = {}  # groups of one name are joined
     for i, name in enumerate(groups):
         members = known_rows(numbers, arrays[f"group {i}"])
         sets[name] = np.concatenate([sets.get(name, members[:0]), members])
@@ -71,7 +71,7 @@ def _block(
     reference = np.reshape(local, (rows.shape[1], -1))[:, :dim]
     low = np.array(_FROM.get(cell, [0] * dim))
     reference = (reference - low) / (1 - low)
-    if order < 3:  # fewer than all nodes lack the middles of faces and cells, listed last
+    if order < 3:  # incomplete ones lack the middles of faces and cells, listed last
         listed = full_kind(cell, order).reference[: len(reference)]
         place = matching_nodes(listed, reference)
         rows, reference = rows[:, place], listed
@@ -115,5 +115,5 @@ def _write_arrays(mesh: str, arrays: str) -> None:
 if __name__ == "__main__":
     try:
         _write_arrays(*sys.argv[1:])
-    except Exception as error:  # gmsh raises what it says in its own words
+    except Exception as error:  # gmsh raises its own errors
         sys.exit(str(error))

@@ -2,8 +2,8 @@
 
 Fields of a card have 8 or 16 columns or stand between commas, in capitals or not; a tab ends a
 field, ``$`` begins a comment. Lines whose first field is blank or begins with ``+`` or ``*``
-continue a card. What the scene says itself (materials, supports, loads, the analysis) is passed
-over. Any other card may change what the body is: it is reported as an element that was not read.
+continue a card. Cards for data of the scene (materials, supports, loads, the analysis) are ignored.
+Any other card may change the body: it is reported as an element that was not read.
 """
 
 import re
@@ -60,14 +60,14 @@ class Card(NamedTuple):
         return value
 
     def refuse(self, allowed: str, place: int | None = None) -> InputError:
-        """What is wrong with it or one of its fields, told by its name and number."""
+        """Error of the card or one of its fields, with its name and number."""
         if place is not None:
             allowed += f" in field {place + 1} after its name, not '{self.text(place)}'"
         return InputError("file", f"{self.name} {self.text(0)}".strip(), allowed)
 
 
 def cards_of(file: Path) -> Iterator[Card]:
-    """Cards of the bulk data of a file and of those that it includes, in their order."""
+    """Yield the cards of the bulk data of a file and of included files, in their order."""
     text = text_with_included(file, _INCLUDE, _included)
     begin = _BEGIN.search(text)
     card: Card | None = None
@@ -96,13 +96,13 @@ def cards_of(file: Path) -> Iterator[Card]:
 
 
 def _included(match: re.Match[str]) -> tuple[str, str]:
-    """Path of a file that is included; a long one goes on in the next line."""
+    """Path of an included file; a long one continues on the next line."""
     path = match[1] or match[2] or match[3] or ""
     return "", "".join(part.strip() for part in path.splitlines())
 
 
 def _fields(line: str) -> tuple[str, list[str], str]:
-    """First field in capitals, data, and the mark of a continuation of a line."""
+    """First field in capitals, data, and continuation mark of a line."""
     line = line.partition("$")[0].rstrip()
     fields = [part.strip() for part in line.split(",")] if "," in line else _columns(line)
     count = 4 if "*" in fields[0] else 8
@@ -117,9 +117,9 @@ def _columns(line: str) -> list[str]:
     cut = _cut(line)
     if line[:1] != " " or not line[:_NARROW].strip():
         return cut
-    # Either the name alone or the whole card has moved to the right.
+    # Either the name alone or the whole card is shifted to the right.
     ways = [cut, _cut(line.lstrip())]
-    # No two fields touch, and the second one holds something.
+    # Valid if no two fields touch, and the second one is not empty.
     ways = [way for way in ways if any(way[1:2]) and " ".join(way).split() == line.split()]
     fits = bool(ways) and ways[0] == ways[-1]
     require(fits, "file", line.strip(), "a card whose name begins in the first column")
@@ -144,11 +144,11 @@ _SOLIDS = {"CTETRA": "tetrahedron", **dict.fromkeys(("CPYRAM", "CPYRA"), "pyrami
 _SOLIDS |= {"CPENTA": "wedge", "CHEXA": "hexahedron"}
 _SHELLS = dict.fromkeys(("CTRIA3", "CTRIA6", "CTRIAR"), "triangle")
 _SHELLS |= dict.fromkeys(("CQUAD4", "CQUAD8", "CQUADR", "CQUAD"), "quadrilateral")
-"""Where they mark faces, corners are all that is needed of them."""
+"""Shells; if they mark faces, only their corners are needed."""
 _MIDDLES = {"tetrahedron": [*range(4, 10)], "pyramid": [*range(5, 13)]}
 _MIDDLES |= {"wedge": [6, 7, 8, 12, 13, 14, 9, 10, 11]}
 _MIDDLES |= {"hexahedron": [8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15]}
-"""Places of the middles of edges: those of upright edges come before those of the top."""
+"""Fields of the middles of edges: those of vertical edges precede those of the top."""
 _PROPERTIES = {"PSOLID": 3, "PLSOLID": 3, "PCOMPS": 3, "PSHELL": 2, "PCOMP": 2, "PCOMPG": 2}
 """Dimension of the elements that have a property."""
 _SYSTEMS = tuple(f"CORD{way}{kind}" for way in "12" for kind in "RCS")
@@ -161,11 +161,11 @@ _OF_THE_SCENE = re.compile(
 """Properties, materials, supports, loads, analyses, sets for output, optimisation."""
 
 _FLAT = 1e-9
-"""Sine of an angle that is taken for zero."""
+"""Sine below which an angle is zero."""
 
 
 def nastran_content(file: Path) -> FileContent:
-    """Nodes, elements and properties of a file; the latter are sets, as ``PSOLID 3``."""
+    """Read nodes and elements of a file; properties are sets, as ``PSOLID 3``."""
     cards: dict[str, list[Card]] = defaultdict(list)
     for card in cards_of(file):
         cards[card.name].append(card)
@@ -190,7 +190,7 @@ def nastran_content(file: Path) -> FileContent:
     rows_of(np.concatenate([b.numbers for b in blocks]), np.empty(0, dtype=int), "an element")
     known = {*_SOLIDS, *_SHELLS, *_SYSTEMS, "GRID", "GRDSET"}
     for name in sorted({name for name, found in cards.items() if found} - known):
-        if not _OF_THE_SCENE.fullmatch(name):  # an element of each kind that is not read
+        if not _OF_THE_SCENE.fullmatch(name):  # one element for each kind that is not read
             blocks.append(without_nodes(name, np.zeros(1, dtype=np.int64), "structural"))
     return FileContent(points, numbers, blocks, _sets(cards, np.array(of_elements)))
 
@@ -209,7 +209,7 @@ def _sets(cards: Cards, of_elements: Ints) -> dict[str, Ints]:
 
 
 def _nodes(card: Card, cell: str) -> list[int]:
-    """Nodes of an element in the order of :data:`meshes.files.elements.KINDS`; 0 is a blank."""
+    """Nodes of an element in the order of :data:`meshes.files.elements.KINDS`."""
     count, places = len(CORNERS[cell]), _MIDDLES.get(cell, [])
     corners = [card.whole(2 + i) for i in range(count)]
     more = any(card.fields[2 + count :])
@@ -247,7 +247,7 @@ def _positions(cards: Cards) -> tuple[Ints, Floats]:
     def basic(number: int, x: Floats, outer: tuple[int, ...] = ()) -> Floats:
         """Positions in the basic system, (n, 3), of coordinates in another; angles in degrees.
 
-        ``outer`` are the systems that are given in this one.
+        ``outer`` are the systems that are defined in terms of this one.
         """
         if number == 0:
             return x
@@ -277,7 +277,7 @@ def _positions(cards: Cards) -> tuple[Ints, Floats]:
 
 
 def _axes(origin: Floats, on_axis: Floats, in_plane: Floats) -> Floats | None:
-    """Axes x, y, z of a system, (3, 3), of its origin and points on z and in the plane x, z."""
+    """Axes x, y, z of a system, (3, 3), from its origin and points on z and in the plane x, z."""
     up, across = on_axis - origin, in_plane - origin
     side = np.cross(up, across)
     if not np.linalg.norm(side) > _FLAT * np.linalg.norm(up) * np.linalg.norm(across):
@@ -287,7 +287,7 @@ def _axes(origin: Floats, on_axis: Floats, in_plane: Floats) -> Floats | None:
 
 
 def _cartesian(kind: str, x: Floats) -> Floats:
-    """Cartesian coordinates of such, R, of cylindrical, C, or of spherical ones, S, (n, 3)."""
+    """Cartesian from Cartesian (R), cylindrical (C) or spherical (S) coordinates, (n, 3)."""
     a, b, c = x[:, 0], np.radians(x[:, 1]), x[:, 2]
     if kind == "C":
         return np.stack([a * np.cos(b), a * np.sin(b), c], axis=1)

@@ -1,4 +1,4 @@
-"""The elements of a mesh file that make a body, and its mesh: nodes, elements and faces checked."""
+"""The elements of a mesh file that form a body, and its checked mesh."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -25,31 +25,31 @@ from meshes.files.elements import DIVIDED, FACES, facet_sides, full_kind, side_n
 from meshes.files.tetrahedra import completed, tetrahedra
 
 _SAME = 1e-6
-"""Distance below which nodes are one, relative to the shortest edge."""
+"""Distance of nodes, relative to the shortest edge, below which they coincide."""
 _FLAT = 1e-9
-"""Size of a plane mesh across its plane, relative to its extent."""
+"""Thickness of a mesh, relative to its extent, below which it is plane."""
 _INWARD = 0.775
-"""Where Jacobians are looked at: so far from the middle towards each node, as Gauss points lie."""
+"""Relative distance from the middle towards each node at which Jacobians are checked."""
 _LEAST = 1e-10
-"""Smallest Jacobian of an element, relative to its largest, that is not called flat."""
+"""Smallest Jacobian of an element, relative to its largest, below which it is flat."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Elements that make a body."""
+    """Elements that form a body."""
 
     blocks: tuple[ElementBlock, ...]
     elements: Ints
 
     @property
     def is_divided(self) -> bool:
-        """Whether its mesh has its elements divided into tetrahedra."""
+        """Whether its mesh divides its elements into tetrahedra."""
         cells = {block.cell for block in self.blocks}
         return len(cells) > 1 or not cells.isdisjoint(DIVIDED)
 
     @property
     def num_cells(self) -> int:
-        """Number of cells of its mesh; of elements that are divided, about that of tetrahedra."""
+        """Number of cells of its mesh; an estimate if elements are divided into tetrahedra."""
         return len(self.elements) * (5 if self.is_divided else 1)
 
     @property
@@ -74,11 +74,11 @@ class Part:
 
     @cached_property
     def used(self) -> Ints:
-        """Nodes that it has in the file, as rows of the points, rising."""
+        """Nodes of its elements, as rows of the points, rising."""
         return np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks]))
 
     def faces(self) -> Iterator[tuple[slice, int, Ints, Ints]]:
-        """Faces of one number of all elements of a kind: rows of these, number, corners, nodes."""
+        """Yield rows of elements, number, corners and nodes of the faces of a kind and number."""
         start = 0
         for block in self.blocks:
             rows = slice(start, start := start + len(block))
@@ -88,7 +88,7 @@ class Part:
 
     @property
     def incomplete(self) -> bool:
-        """Whether its elements have not all nodes of Lagrange cells, as 20-node hexahedra."""
+        """Whether its elements lack nodes of Lagrange cells, as 20-node hexahedra do."""
         return any(block.lacks_middles for block in self.blocks)
 
 
@@ -97,7 +97,7 @@ _SOLIDS = "triangles, quadrilaterals, tetrahedra, pyramids, wedges or hexahedra"
 
 
 def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[str] = ()) -> Part:
-    """Elements of a set, or all solid ones of a file, checked to be those of a body."""
+    """Elements of a set, or all solid ones of a file; refuse those that cannot form a body."""
     starts, dim = content.starts, content.dim
     chosen = np.ones(starts[-1], dtype=bool)
     if name is not None:
@@ -136,7 +136,7 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
 
 
 def merged(content: FileContent, distance: float) -> FileContent:
-    """The content with nodes nearer than a distance (unit of the file) made one."""
+    """The content with nodes nearer than a distance (unit of the file) merged."""
     cells = [block.corners for block in content.blocks if block.dim > 1 and len(block)]
     shortest = min((float(_edges(content.points, c).min()) for c in cells), default=np.inf)
     allowed = f"less than half the shortest edge of an element, {shortest:g}"
@@ -152,7 +152,7 @@ def merged(content: FileContent, distance: float) -> FileContent:
 def body_mesh(
     content: FileContent, own: Part, faces: Mapping[str, NDArray[np.bool_]], name: str | None = None
 ) -> Mesh:
-    """Mesh of a part of a file, in its unit, with surfaces of given faces of its elements."""
+    """Checked mesh of a part of a file, in its unit; faces of elements give its surfaces."""
     points = content.points[:, : own.dim]
     if own.is_divided:
         points, cells, elements, sides = tetrahedra(points, own.blocks)
@@ -185,9 +185,9 @@ def body_mesh(
 def _check_nodes(
     content: FileContent, part: Part, points: Floats, corners: Ints, numbers: Ints, name: str | None
 ) -> None:
-    """Refuse a part that is not one body, has nodes in one place, or is not plane.
+    """Refuse a part that is not connected, has coincident nodes, or in the plane is not flat.
 
-    ``corners`` are those of each cell of its mesh, ``numbers`` the elements that these are of.
+    ``corners`` are those of each cell of its mesh, ``numbers`` those of the elements of cells.
     """
     x, used = content.points, part.used
     if part.dim == 2:
@@ -209,7 +209,7 @@ def _check_nodes(
         raise InputError("part", name, f"{allowed}; choose one of the sets: {sets}{merge}")
     if len(pairs):
         both = content.node_numbers[used[pairs[0]]].tolist()
-        allowed = "a distance within which nodes are made one, in the unit of the file"
+        allowed = "a distance within which nodes are merged, in the unit of the file"
         raise InputError("merge_nodes", None, f"{allowed}: {told}, as {both}")
 
 
@@ -229,14 +229,14 @@ def _bodies(corners: Ints, n_points: int) -> int:
 
 
 def check_elements(cell: Cell, order: int, points: Floats, cells: Ints, numbers: Ints) -> None:
-    """Refuse elements whose Jacobian is not positive; in the plane, does not keep its sign."""
+    """Refuse elements whose Jacobian is not positive; in the plane, not of the common sign."""
     slopes = _slopes(cell, order)
     least, most = np.empty(len(cells)), np.empty(len(cells))
     for rows in chunks(len(cells), 8 * slopes.size):
         x = points[cells[rows]]
         jacobians = np.linalg.det(np.einsum("qnj,cni->cqij", slopes, x, optimize=True))
         least[rows], most[rows] = jacobians.min(axis=1), jacobians.max(axis=1)
-    if points.shape[1] == 2 and (most < 0).sum() > len(cells) / 2:  # seen from behind
+    if points.shape[1] == 2 and (most < 0).sum() > len(cells) / 2:  # mesh seen from behind
         least, most = -most, -least
     inverted = ~(least > _LEAST * most)
     if inverted.any():
@@ -247,7 +247,7 @@ def check_elements(cell: Cell, order: int, points: Floats, cells: Ints, numbers:
 
 
 def _slopes(cell: Cell, order: int) -> Floats:
-    """Slopes of the shape functions at points inside the reference cell, (points, nodes, dim)."""
+    """Gradients of shape functions at points inside the reference cell, (points, nodes, dim)."""
     nodes = reference_nodes(cell, order)
     inside = np.vstack([nodes.mean(axis=0), nodes + (1 - _INWARD) * (nodes.mean(axis=0) - nodes)])
     powers = lattice(nodes.shape[1], order, cell in SIMPLICES)
@@ -260,7 +260,7 @@ def _slopes(cell: Cell, order: int) -> Floats:
 
 
 def _middles_apart(cell: Cell, cells: Ints, marks: NDArray[np.uint64]) -> int | None:
-    """First cell with an edge whose middle is not that of the same edge of others alone."""
+    """First cell with an edge whose middle node is not that of its neighbours, or not its own."""
     kind = full_kind(cell, 2)
     place = np.argsort(node_order(cell, 2, kind.reference))
     found = [place[[*group, i]] for i, group in enumerate(kind.groups) if len(group) == 2]
@@ -275,7 +275,7 @@ def _middles_apart(cell: Cell, cells: Ints, marks: NDArray[np.uint64]) -> int | 
 
 
 def _crossing(corners: Ints, marks: NDArray[np.uint64]) -> int | None:
-    """First tetrahedron at a free square that is cut along two diagonals."""
+    """First tetrahedron at a free quadrilateral that is cut along both diagonals."""
     sides = facet_nodes("tetrahedron", 1)
     triangles = np.concatenate([corners[:, side] for side in sides])
     owners = np.tile(np.arange(len(corners)), len(sides))

@@ -1,4 +1,4 @@
-"""Files of meshes and of patches read, once as long as they do not change."""
+"""Reading of files of meshes and of patches, once as long as they do not change."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -21,7 +21,7 @@ _MESHES = {
     ".vtu": "meshes.files.vtk.vtu_content",
 }
 _KEPT = 4
-"""Files whose content is kept, for the bodies of a scene."""
+"""Number of files whose content is cached, for the bodies of a scene."""
 _WORDLESS = (
     TypeError,
     LookupError,
@@ -30,17 +30,17 @@ _WORDLESS = (
     SyntaxError,
     RecursionError,
 )
-"""Errors of libraries that say nothing of the file."""
+"""Errors of libraries whose messages do not describe the file."""
 
 
 def read_mesh_file(file: Path, merge: float | None = None) -> FileContent:
-    """Content of a mesh file."""
+    """Content of a mesh file, with nodes nearer than ``merge`` merged."""
     content = read_once(file, "a mesh file", _MESHES)
     return content if merge is None else _merged(content, merge)
 
 
 def read_once(file: Path, what: str, readers: Mapping[str, str], **limits: int) -> Any:
-    """What the reader of a file, a function told by its ending and imported here, makes of it."""
+    """Result of the reader of a file, a function chosen by its extension and imported here."""
     reader = readers.get(file.suffix.lower())
     state = checked_state(file, what, **limits)
     if reader is None:
@@ -60,9 +60,9 @@ def _read(reader: str, file: Path, _changed: int, _size: int) -> Any:
         raise InputError("file", name, error.allowed) from None
     except MemoryError:
         raise
-    except Exception as error:  # libraries raise whatever comes up in a broken file
+    except Exception as error:  # libraries raise any error on a broken file
         told = str(error) if not isinstance(error, _WORDLESS) else ""
-        reason = told or "it is not as its format has it"
+        reason = told or "it does not follow its format"
         allowed = f"a whole {file.suffix} file; it cannot be read ({reason})"
         raise InputError("file", str(file), allowed) from None
 

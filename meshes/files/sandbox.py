@@ -1,6 +1,6 @@
-"""Files looked at before they are read, files that include others, libraries run as programs.
+"""Checks of files before reading, files that include others, libraries in separate processes.
 
-A broken file may crash a library, or keep it for ever: it runs as a program of its own.
+A broken file may crash a library, or keep it running for ever: it gets a process of its own.
 """
 
 import re
@@ -19,17 +19,17 @@ from cea.errors import InputError, require
 from cea.files import regular
 
 _SECONDS, _SECONDS_A_BYTE = 5, 2e-5
-"""Time on a core that reading may take: ten times what it does, and more."""
+"""Limit of processor time (s) of reading: more than ten times what it takes."""
 _BYTES, _BYTES_A_BYTE = 2**32, 300
-"""Memory that it may take."""
+"""Limit of memory (bytes) of reading."""
 _LARGEST = 2**33
-"""Bytes of a file."""
+"""Largest size of a file (bytes)."""
 _DEEPEST = 10
-"""Files that include one another."""
+"""Largest depth of files that include one another."""
 
 
 def checked_state(file: Path, what: str, largest: int = _LARGEST) -> tuple[Path, int, int]:
-    """Path of a file, time of its last change (ns) and size (bytes); refused when it is none."""
+    """Path, time of last change (ns) and size (bytes) of a file; refuse what is no file."""
     try:
         state = regular(file).stat()
     except (OSError, ValueError) as error:
@@ -41,7 +41,7 @@ def checked_state(file: Path, what: str, largest: int = _LARGEST) -> tuple[Path,
 
 
 def library(file: Path, module: str) -> Any:
-    """A module of a library that reads the file, where it is installed."""
+    """Import a module of a library that reads the file; refuse it if it is not installed."""
     try:
         return import_module(module)
     except ImportError:
@@ -51,7 +51,7 @@ def library(file: Path, module: str) -> Any:
 
 
 def arrays_of(program: Path, file: Path) -> dict[str, Any]:
-    """Arrays that a program writes (.npz) of a file; where all is well it prints nothing."""
+    """Arrays that a program writes (.npz) of a file; if it prints anything, it has failed."""
     size = file.stat().st_size
     seconds, memory = int(_SECONDS + _SECONDS_A_BYTE * size), _BYTES + _BYTES_A_BYTE * size
     with TemporaryDirectory() as folder:
@@ -76,11 +76,11 @@ def text_with_included(
     clean: Callable[[str], str] = str,
     chain: tuple[Path, ...] = (),
 ) -> str:
-    """Text of a file with those that it includes in their places.
+    """Text of a file with the text of included files in their places.
 
-    Of a match of the pattern, ``included`` gives the text that stays before the file and its path;
-    None where it includes none. Paths are counted from the folder of the first file, as solvers
-    do, then from that of the file that names them; backslashes separate folders.
+    For a match of the pattern, ``included`` returns the text to keep before the file, and its path;
+    None if it includes none. Paths are relative to the folder of the first file, as in solvers, or
+    else to that of the file that names them; backslashes separate folders.
     """
     allowed = f"files that do not include each other, at most {_DEEPEST} deep"
     require(file not in chain and len(chain) < _DEEPEST, "file", str(file), allowed)
@@ -97,11 +97,11 @@ def text_with_included(
 
 
 def _named(name: str, chain: tuple[Path, ...]) -> Path:
-    """A file that another one names."""
+    """Path of a file that another one includes."""
     path = PureWindowsPath(name).as_posix()
     for folder in (chain[0].parent, chain[-1].parent):
         for each in (folder / name, folder / path):
             if each.exists():
                 return checked_state(each, "a file that is included")[0]
-    allowed = "a file that is included, in capitals and small letters as it is named"
+    allowed = "an included file; its name is case-sensitive"
     raise InputError("file", str(chain[0].parent / path), allowed)

@@ -18,9 +18,9 @@ _KINDS = ("faces", "elements", "nodes")
 
 
 class Faces:
-    """Faces of the elements of a body, as :data:`meshes.files.elements.FACES` counts them.
+    """Faces of the elements of a body, numbered as in :data:`meshes.files.elements.FACES`.
 
-    They are matched by their corners: ``free`` are those of one element, (n_elements, n_faces).
+    They are matched by their corners: ``free`` marks those of one element, (n_elements, n_faces).
     """
 
     def __init__(self, content: FileContent, part: Part) -> None:
@@ -37,9 +37,9 @@ class Faces:
         self._sums = sums
 
     def of_set(self, text: str, field: str) -> tuple[Bools, Ints]:
-        """Faces of a set, and its nodes where it is one of nodes."""
+        """Faces of a set, and its nodes if it is a set of nodes."""
         kinds, name = _meaning(self.content, text, field, text)
-        kinds = ["faces"] if "faces" in kinds else kinds  # a surface is what was asked for
+        kinds = ["faces"] if "faces" in kinds else kinds  # sets of faces take precedence
         found = {each: self._on(each, name) for each in kinds}
         inner = any((on & ~self.free).any() for on in found.values())
         free = {kind: on & self.free for kind, on in found.items() if (on & self.free).any()}
@@ -77,7 +77,7 @@ class Faces:
         return self.free & on
 
     def _of_elements(self, elements: Ints) -> Bools:
-        """Faces that elements mark; of solid elements all free ones."""
+        """Faces that elements mark, or else all free faces of the elements."""
         marked = np.zeros(self.free.shape, dtype=bool)
         for block, rows in self.content.by_block(elements):
             if block.dim == self.part.dim - 1 and len(rows):
@@ -88,7 +88,7 @@ class Faces:
         return self.free & np.isin(self.part.elements, elements)[:, None]
 
     def _of_faces(self, pairs: Ints) -> Bools:
-        """Faces given as elements and numbers of faces, -1 for all that are free."""
+        """Faces given as elements and numbers of faces, -1 for all free ones."""
         most, elements = self.free.shape[1], self.part.elements
         every = np.isin(elements, pairs[pairs[:, 1] < 0, 0])
         single = pairs[(pairs[:, 1] >= 0) & (pairs[:, 1] < most)]
@@ -98,13 +98,13 @@ class Faces:
 
 
 faces_of = lru_cache(4)(Faces)
-"""Faces of a part, kept for the bodies of a scene."""
+"""Faces of a part, cached for the bodies of a scene."""
 
 
 def surface_faces(
     content: FileContent, part: Part, sets_of: Mapping[str, Sequence[str]]
 ) -> dict[str, tuple[Bools, int]]:
-    """Faces of elements that named surfaces have, and how many nodes of sets are left out."""
+    """Faces of elements on each surface, and the number of nodes of its sets on none."""
     found = {}
     for surface, sets in sets_of.items():
         faces = faces_of(content, part)
@@ -116,7 +116,7 @@ def surface_faces(
 
 
 def marking_sets(content: FileContent, faces: Mapping[str, Sequence[str]]) -> list[str]:
-    """Sets of elements among those of surfaces; all sets must be there."""
+    """Sets of elements among the sets of surfaces; refuse unknown sets."""
     names = [
         _meaning(content, text, "faces", {surface: text})[1]
         for surface, sets in faces.items()
@@ -128,7 +128,7 @@ def marking_sets(content: FileContent, faces: Mapping[str, Sequence[str]]) -> li
 def _meaning(
     content: FileContent, text: str, field: str, value: object
 ) -> tuple[Sequence[str], str]:
-    """Kinds of the sets that a text names, and their name; first all of it as a name.
+    """Kinds and name of the sets that a text names; the whole text is tried first as a name.
 
     ``SET:S3`` are the third faces, as Abaqus counts them, of the elements of a set.
     """

@@ -1,4 +1,4 @@
-"""Hexahedra, wedges, pyramids and tetrahedra of one body divided into tetrahedra.
+"""Division of hexahedra, wedges, pyramids and tetrahedra of one body into tetrahedra.
 
 An element is divided from its corner of the lowest number: tetrahedra join it to triangles of the
 faces that it does not lie on, and those are divided from their own lowest corner. The diagonal of a
@@ -24,9 +24,9 @@ from meshes.files.elements import CORNERS, FACES, full_kind
 def tetrahedra(points: Floats, blocks: Sequence[ElementBlock]) -> tuple[Floats, Ints, Ints, Ints]:
     """Divide solid elements of a body, all of order 1 or all of order 2, into tetrahedra.
 
-    Points (n, 3), those that were added last; nodes of the tetrahedra as :class:`cea.mesh.Mesh`
-    lists them; the element that each is a part of, rising, (m,); the face of that element, 0 for
-    its S1, that each of its facets lies on, -1 inside, (m, 4).
+    Return points (n, 3), added ones last; nodes of the tetrahedra in the order of
+    :class:`cea.mesh.Mesh`; the element of each, rising, (m,); the face of that element, 0 for its
+    S1, on which each facet lies, -1 inside, (m, 4).
     """
     points, full = completed(points, blocks)
     starts = np.cumsum([0, *map(len, blocks)])
@@ -38,10 +38,10 @@ def tetrahedra(points: Floats, blocks: Sequence[ElementBlock]) -> tuple[Floats, 
 def completed(
     points: Floats, blocks: Sequence[ElementBlock]
 ) -> tuple[Floats, Sequence[ElementBlock]]:
-    """Points and elements, with the middles of faces and cells that these lacked.
+    """Points and elements, with the middles of faces and cells that elements lack.
 
-    The shape functions of elements that have no such nodes lie in the space of those that do, so
-    that the geometry is what it was where these put them. A neighbour may have the node.
+    Serendipity shape functions lie in the space of the complete ones, so that nodes that they place
+    leave the geometry unchanged. Nodes that a neighbour has are used.
     """
     if not any(block.lacks_middles for block in blocks):
         return points, blocks
@@ -93,7 +93,7 @@ def _divided(block: ElementBlock, start: int) -> tuple[Ints, Ints, Ints]:
 
 
 def _pieces(block: ElementBlock) -> tuple[Ints, Ints]:
-    """Tetrahedra by the corners of their element, with positive volume, and the element of each."""
+    """Element of each tetrahedron, and its corners among those of the element, right-handed."""
     corners = block.corners
     lowest = corners.argmin(axis=1)
     rows, pieces = [], []
@@ -111,7 +111,7 @@ def _pieces(block: ElementBlock) -> tuple[Ints, Ints]:
 
 
 def _middles(cell: str, order: int) -> Ints:
-    """Node of :func:`full_kind` in the middle of each two corners, (n_corners, n_corners)."""
+    """Node of :func:`full_kind` midway between each two corners, (n_corners, n_corners)."""
     kind = full_kind(cell, order)
     corners = CORNERS[cell]
     means = (corners[:, None] + corners) / 2

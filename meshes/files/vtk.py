@@ -1,7 +1,7 @@
 """Content of VTU and XDMF files, which meshio reads.
 
-Whole-number fields on cells or on nodes stand for sets: those with the value 3 of the field
-``part`` are the set ``part 3``; those that are not 0 where it takes only 0 and 1, ``part`` too.
+Integer fields on cells or on nodes define sets: value 3 of the field ``part`` is the set
+``part 3``; if a field has only the values 0 and 1, the ones are also the set ``part``.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,16 +21,16 @@ from meshes.files.sandbox import library
 _CELLS = {"quad": "quadrilateral", "tetra": "tetrahedron"}
 """Cells that meshio calls by other names than :data:`meshes.files.elements.KINDS`."""
 _MOST = 1000
-"""Values of a whole-number field that are taken for sets."""
+"""Largest number of values of an integer field that define sets."""
 _UNREAD = ("wedge15", "wedge18", "pyramid13", "pyramid14")
-"""Cells that meshio has names for alone."""
+"""Cells that meshio names but does not read."""
 
 
 def vtu_content(file: Path) -> FileContent:
     """Nodes, cells and sets of a VTU file."""
     vtu = library(file, "meshio.vtu")
     try:
-        # What chooses among formats ends the program where a file cannot be read.
+        # The function that chooses among formats ends the program if a file cannot be read.
         return _content([vtu.read(file)])
     except KeyError as error:
         if not isinstance(error.args[0], int | np.integer) and error.args[0] not in _UNREAD:
@@ -42,8 +42,8 @@ def vtu_content(file: Path) -> FileContent:
 def xdmf_content(file: Path) -> FileContent:
     """Nodes, cells and sets of an XDMF file, as dolfinx and meshio write them.
 
-    All grids are read on the points of the first: tags that dolfinx writes are fields on grids of
-    their own, whose cells are those of the mesh, or mark its faces.
+    All grids are read on the points of the first: dolfinx writes tags as fields on separate grids,
+    whose cells are those of the mesh, or mark its faces.
     """
     library(file, "h5py")
     reader = library(file, "meshio.xdmf.main").XdmfReader
@@ -55,7 +55,7 @@ def xdmf_content(file: Path) -> FileContent:
     meshes = []
     for grid in root.iter("Grid"):
         topology = grid.find("Topology")
-        if topology is not None:  # alone, as meshio reads one
+        if topology is not None:  # one grid at a time, as meshio reads
             topology.attrib = {k: v.replace("PolyLine", "Polyline") for k, v in topology.items()}
             whole = ElementTree.Element("Xdmf")
             alone = ElementTree.SubElement(ElementTree.SubElement(whole, "Domain"), "Grid")
@@ -103,7 +103,7 @@ def _block(kind: str, nodes: Ints, first: int, points: Floats) -> ElementBlock:
 
 
 def _sets(fields: Mapping[str, np.ndarray], count: int) -> dict[str, Ints]:
-    """Members of the sets that whole-number fields stand for."""
+    """Members of the sets that integer fields define."""
     sets: dict[str, Ints] = {}
     for name, field in fields.items():
         values = np.asarray(field).ravel()

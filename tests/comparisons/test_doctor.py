@@ -55,4 +55,4 @@ def test_the_code_says_whether_all_is_well(mend, monkeypatch, cea):
     code, told, _ = cea("doctor")
     assert code == (1 if mend else 0)
     assert ("all is well" in told) == (mend is None)
-    assert (f"mend it: {mend}" in told) == (mend is not None)
+    assert (f"to repair it: {mend}" in told) == (mend is not None)

@@ -204,8 +204,8 @@ def test_named_boundaries_are_surfaces_and_units_are_told(tmp_path):
     [
         ("a.json", None, {}, "a file of patches"),
         ("a.json", "", {}, "not empty"),
-        ("a.json", "{}", {}, "not as its format"),
-        ("a.xml", "<xml>", {}, "not as its format"),
+        ("a.json", "{}", {}, "not follow its format"),
+        ("a.xml", "<xml>", {}, "not follow its format"),
         ("a.xml", "<xml></xml>", {}, "at least one patch|patches"),
         ("a.igs", "x", {}, "one that ends in .json or .xml"),
         ("a.json", "{}", {"unit": None}, "the unit of length"),
