@@ -9,7 +9,7 @@ import sys
 import sysconfig
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
 from typing import Literal
@@ -63,7 +63,14 @@ def packages() -> Finding:
     wrong = [line for line in done.stdout.splitlines() if line.startswith(f"{_PROJECT} ")]
     if wrong:
         return Finding("packages", "; ".join(wrong), f"python -m pip install '{_PROJECT}'")
-    return Finding("packages", f"as {_PROJECT} {version(_PROJECT)} needs them")
+    if done.returncode and not done.stdout.strip():
+        reason = (done.stderr.strip() or "pip check failed").splitlines()[-1]
+        return Finding("packages", reason, "python -m ensurepip")
+    try:
+        own = version(_PROJECT)
+    except PackageNotFoundError:
+        return Finding("packages", f"{_PROJECT} is not installed", _AGAIN)
+    return Finding("packages", f"as {_PROJECT} {own} needs them")
 
 
 def compiler() -> Finding:

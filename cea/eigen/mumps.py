@@ -157,7 +157,8 @@ class Mumps:
         if self._refine is None:
             both = np.array([np.vdot(each, each) for each in (change, solution)])
             moved, whole = self.matrix.comm.tompi4py().allreduce(both)
-            self._refine = bool(moved > _ACCURATE**2 * whole)
+            if whole > 0:
+                self._refine = bool(moved > _ACCURATE**2 * whole)
         return solution + change
 
     def _solve(self, b: Floats, *, transposed: bool) -> Floats:

@@ -1,7 +1,7 @@
 """Elimination of the constraints of a body, which gives :class:`Constraints`."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array, diags_array, hstack, vstack
@@ -71,9 +71,20 @@ def constrain(
     free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0
     free.eliminate_zeros()
     free.sort_indices()
-    rows = _rows_by_support(held, components(owner[place], dim), dim * len(dofs), shares)
+    along = replace(held, direction=_in_span(held, owner[place], taken, slot[place]))
+    rows = _rows_by_support(along, components(owner[place], dim), dim * len(dofs), shares)
     prescribed = values if every.value.any() else None
     return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, rows, prescribed)
+
+
+def _in_span(held: Directions, owner: Ints, taken: Floats, slot: Ints) -> Floats:
+    """Return held directions projected on the independent ones: nearly parallel ones are equal."""
+    count, dim = taken.shape[:2]
+    number = np.bincount(owner[slot >= 0], minlength=count)
+    span = np.where(np.arange(dim)[:, None] < number[:, None, None], taken, 0.0)
+    along = np.einsum("nki,ni->nk", span[owner], held.direction)
+    direction = np.einsum("nk,nki->ni", along, span[owner])
+    return np.asarray(direction / np.linalg.norm(direction, axis=1, keepdims=True))
 
 
 def _rows_by_support(

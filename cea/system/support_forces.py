@@ -54,6 +54,11 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
     moved = {name: system.displacement(x, name) for name in system.bodies}
     of_contacts, size = contact_forces(system, moved, multipliers)
     reactions, unbalanced = {}, []
+    resultants = np.array([forces.sum(axis=0) for forces in of_contacts.values()])
+    left = float(np.linalg.norm(resultants.sum(axis=0)))
+    allowed = _BALANCED * float(np.linalg.norm(resultants, axis=1).max()) + _ROUNDING * size
+    if left > allowed:
+        unbalanced.append(f"contact forces add up to {left:.3g} N, above {allowed:.1g} N")
     for name, pieces in system.pieces.items():
         if pieces.motion.modal is not None and pieces.motion.rotation is not None:
             continue

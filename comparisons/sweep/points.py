@@ -21,6 +21,8 @@ _DECADES = 2.0
 """Decades of a field that a box spans at most, unless two neighbouring values are farther apart."""
 _TRAINING = 5
 """Number of training points along an axis, at which bounds are evaluated to enrich the basis."""
+_TOGETHER = 64
+"""Number of samples in a group."""
 _SAMPLES = 48
 """Number of training points among samples, besides those with the extreme values of fields."""
 Kind = Literal["normal", "uniform", "lognormal"]
@@ -134,10 +136,12 @@ class Points:
         return tuple(len(each) for each in self.axes)
 
     @property
-    def parts(self) -> Ints:
-        """Indices of points solved together, a line or a single sample, shape (parts, values)."""
-        count = self.counts[0] if self.axes else 1
-        return np.arange(len(self.values)).reshape(count, -1).T
+    def parts(self) -> list[Ints]:
+        """Indices of points that are solved and stored together: a line, or a group of samples."""
+        numbers = np.arange(len(self.values))
+        if self.axes:
+            return list(numbers.reshape(self.counts[0], -1).T)
+        return np.array_split(numbers, -(-len(numbers) // _TOGETHER))
 
     @property
     def boxes(self) -> list["Box"]:
@@ -157,7 +161,7 @@ class Points:
             few = [
                 np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in whole.shape
             ]
-            boxes.append(Box(tuple(ends), lines.T, whole[np.ix_(*few)].ravel()))
+            boxes.append(Box(tuple(ends), list(lines.T), whole[np.ix_(*few)].ravel()))
         return boxes
 
     @property
@@ -171,13 +175,12 @@ class Points:
 class Box:
     """Points that share a basis.
 
-    Least and greatest value of each field, those of a neighbour included; numbers of the points
-    that are solved together, a line or a sample, shape (parts, values); numbers of the points at
-    which bounds are computed while the basis is made.
+    Least and greatest value of each field, those of a neighbour included; indices of the points
+    that are solved together, a line or a group of samples; indices of the training points.
     """
 
     ends: tuple[tuple[float, float], ...]
-    parts: Ints
+    parts: list[Ints]
     training: Ints
 
 

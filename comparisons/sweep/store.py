@@ -12,8 +12,12 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cea import __version__
+from cea.eigen.block_products import times
 from cea.files import write_whole
+from cea.petsc import Mat
 from cea.reduced.model import Snapshot
 from comparisons.sweep.scene import SweptScene
 from scenes.results.record import as_json
@@ -73,15 +77,26 @@ def _solve(number: int) -> str:
 
 
 def fingerprint(scene: SweptScene) -> list[str]:
-    """Return data that identify a sweep, the same on every rank: scene and norms of matrices.
+    """Return data that identify a sweep, the same on every rank: its scene, and its matrices.
 
-    The norms detect a mesh or a matrix whose file has changed.
+    A mesh or a matrix may have changed in its file, under the same name.
     """
     pencil = scene.pencil
     matrices = [term.matrix for term in pencil.terms]
     for each in pencil.forces:
-        matrices += [each.closure, each.compliance]
-    norms = [f"{matrix.norm():.9e}" for matrix in matrices]
+        matrices += [each.closure, each.compliance, *filter(None, [each.slip])]
+    norms = [_products(matrix) for matrix in matrices]
     given = sha256(as_json(as_data(scene.assembled.scene)).encode()).hexdigest()
     fixed = [f"{each.name} {each.value!r}" for each in pencil.parameters.values()]
     return [f"program {__version__}", f"scene {given}", *fixed, *norms]
+
+
+def _products(matrix: Mat) -> str:
+    """Return the norm of A v and u^T A v for fixed vectors u, v: they see signs and order too."""
+    rows, columns = matrix.getLocalSize()
+    first = matrix.getOwnershipRange()[0]
+    generator = np.random.default_rng(first)
+    u, v = generator.standard_normal((rows, 1)), generator.standard_normal((columns, 1))
+    image, comm = times(matrix, v), matrix.comm.tompi4py()
+    inner, square = comm.allreduce(np.array([np.vdot(u, image), np.vdot(image, image)]))
+    return f"{square:.6e} {inner / max(np.sqrt(square), 1e-300):.5f}"

@@ -213,7 +213,7 @@ class _OnBasis:
         """
         model, tolerance = self.basis.model, self._asked.tolerance
         parts, done = self._box.parts, dict[int, _Part]()
-        numbers = parts.ravel()
+        numbers = np.concatenate(parts)
         while True:
             done |= self._made([i for i in range(len(parts)) if i not in done])
             rows = [row for i in range(len(parts)) for row in done[i][1]]
@@ -234,7 +234,7 @@ class _OnBasis:
 
         ConvergenceError when the last full solves violate the bounds.
         """
-        asked, own, basis = self._asked, self._box.parts.ravel(), self.basis
+        asked, own, basis = self._asked, np.concatenate(self._box.parts), self.basis
         training = [self._point(i) for i in self._box.training]
         generator = np.random.default_rng(asked.seed)
         while True:
@@ -266,7 +266,7 @@ class _OnBasis:
             for i in np.array_split(missing, comm.size)[comm.rank].tolist():
                 name = f"{basis}-part-{i:05d}"
                 if (part := self._store.kept(name)) is None:
-                    self._progress(f"{i + 1} of {len(parts)} lines or samples")
+                    self._progress(f"{i + 1} of {len(parts)} lines or groups of samples")
                     part = self._part(parts[i], small, middle)
                     self._store.keep(name, part)
                 made[i] = part

@@ -12,7 +12,7 @@ from cea.contact.contact import Contact
 from cea.contact.friction import Friction
 from cea.contact.interface import default_reach, pair
 from cea.contact.laws import LinearLaw, NormalLaw, Sliding
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.expressions import Expression, evaluate
 from cea.mesh import Mesh
 from cea.motion import Motion
@@ -50,9 +50,12 @@ def build_bodies(
 
     Given bodies are reused if they were built from the same data, or without a scene.
     """
-    bodies = {}
+    bodies, given = {}, given or {}
+    if any(body.made_of is None for body in given.values()):
+        allowed = f"those of the scene: {', '.join(scene.bodies)}"
+        require(sorted(given) == sorted(scene.bodies), "bodies", list(given), allowed)
     for name in scene.bodies:
-        wanted, body = made_of(scene, name), (given or {}).get(name)
+        wanted, body = made_of(scene, name), given.get(name)
         if body is None or body.made_of not in (None, wanted):
             with timer("meshing"):
                 body = replace(build_body(name, *wanted), made_of=wanted)

@@ -37,6 +37,11 @@ _LONGEST = 100
 """Largest number of characters in a name."""
 _PARTING = set(".,[] ")
 """Separators of the names in a path, not allowed in names."""
+_SCALES = (
+    *("E", "rho", "P", "p", "c_n", "max_frequency", "speed", "frequencies"),
+    *("size", "inner_radius", "outer_radius", "bore", "hub_radius", "reach"),
+)
+"""Fields that set scales, which must not be nearly zero; coordinates and directions may be."""
 _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
 """Upper limits of single fields; c_n is a pressure divided by a small length to the power m_n."""
 _THIN = 1e-12
@@ -109,7 +114,8 @@ def _limit_checks(faults: Faults, scene: Scene) -> None:
             field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
             largest, tied = _LARGEST_OF.get(field, LARGEST), field in ("P", "p") and number == inf
             need(abs(number) <= largest or tied, place, number, f"at most {largest:g}")
-            need(not 0 < abs(number) < SMALLEST, place, number, f"zero, or {SMALLEST:g} or more")
+            vanishes = field in _SCALES and 0 < abs(number) < SMALLEST
+            need(not vanishes, place, number, f"at least {SMALLEST:g}")
 
 
 def check_scene_name(faults: Faults, name: str) -> None:

@@ -120,13 +120,18 @@ def test_a_sector_bears_what_lame_says(backend, sides):
 
 
 def test_a_dof_is_shared_along_what_each_support_holds():
-    """Against a dense least-norm solution: independent, equal, and partly shared directions."""
+    """Against a dense least-norm solution: independent, equal, and partly shared directions.
+
+    Directions that differ by rounding are equal.
+    """
     rng = np.random.default_rng(2)
     dof = np.array([3, 3, 3, 5, 5, 5, 8, 8, 8, 8, 8])
     support = np.array([0, 1, 2, 0, 1, 1, 0, 0, 1, 2, 2])
     direction = rng.normal(size=(5, 3))[[0, 1, 2, 3, 3, 4, 0, 1, 1, 0, 2]]
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    constraints = constrain(10, Directions.of(dof, direction, support=support))
+    rounded = direction + 1e-13 * rng.normal(size=direction.shape)
+    rounded /= np.linalg.norm(rounded, axis=1, keepdims=True)
+    constraints = constrain(10, Directions.of(dof, rounded, support=support))
     r = np.zeros((10, 3))
     np.add.at(r, dof, rng.normal(size=(len(dof), 1)) * direction)
     assert list(constraints.dofs) == [3, 5, 8]
@@ -174,16 +179,23 @@ def test_springs_and_loads_are_borne_too(backend):
 
 
 @pytest.mark.parametrize("contact", ["penalty", "tied", "mortar", "lumped", "law"])
-def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
-    """A contact whose friction or side is told wrong."""
+@pytest.mark.parametrize("at_supports", [False, True])
+def test_forces_that_do_not_balance_end_the_run(backend, contact, at_supports, monkeypatch):
+    """A contact whose friction or side is wrong, also where supports would take what is added."""
     real = support_forces.contact_forces
 
-    def wrong(*arguments):
-        forces, size = real(*arguments)
-        return forces | {"upper": 1.0001 * forces["upper"]}, size
+    def wrong(system, *others):
+        forces, size = real(system, *others)
+        upper = 1.0001 * forces["upper"]
+        if at_supports:
+            upper = forces["upper"].copy()
+            dofs, held = system.bodies["upper"].support_forces(np.ones_like(upper))
+            upper[dofs] += 1e-3 * np.abs(upper).max() * held.sum(axis=0)
+        return forces | {"upper": upper}, size
 
     monkeypatch.setattr("cea.system.support_forces.contact_forces", wrong)
-    with pytest.raises(ConvergenceError, match=r"do not balance: .* N on upper") as raised:
+    told = "contact forces add up to" if at_supports else "N on upper"
+    with pytest.raises(ConvergenceError, match=f"do not balance: .*{told}") as raised:
         run_scene(read_scene(pressed(backend, contact)))
     assert set(raised.value.best) == {"upper", "lower"}
 

@@ -6,8 +6,9 @@ from covering import covering
 from petsc_matrices import to_petsc
 from reference_data import plane_meshes, stored
 
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
-from cea.eigen.pencil import FRICTION, Pencil
+from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from scenes import assemble, load_scene
@@ -95,6 +96,16 @@ def test_divergence_is_no_flutter(soft):
     assert modes.unstable(0.0)[modes.eigenvalues.imag == 0].any()
     threshold = first_threshold(driver, FRICTION, 0.0, 1.0, max_frequency=TOP, frequency=0.0)
     assert threshold.value == pytest.approx(0.5 / 0.6, rel=1e-12)
+
+
+def test_flutter_may_lie_at_zero():
+    """A second friction works against the first, and brings the pair to rest as it grows."""
+    stiffness, mass, friction = lumped(1.0).pencil.terms
+    against = Term("stiffness", friction.matrix, Coefficient({"s": (1.0, 1.0)}), symmetric=False)
+    first = Term("stiffness", friction.matrix, Coefficient({}, factor=-1.0), symmetric=False)
+    driver = EigenSolver(Pencil([stiffness, mass, first, against], [Parameter("s", 0.0)]))
+    threshold = first_threshold(driver, "s", real=0.9, flutter=0.0, max_frequency=TOP)
+    assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
 
 @pytest.mark.parametrize(("mesh", "i"), covering([("fe", 4, 1), ("iga", 4, 2)], [0, 3], strength=1))

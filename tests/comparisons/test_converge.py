@@ -216,8 +216,8 @@ def test_digits_that_are_not_reached_are_told_first_with_code_3(cea):
     assert code == 3, fault
     first = next(line for line in told.splitlines() if "digits of frequency in" in line)
     assert "not reached: frequency of " in first
-    # The next mesh is not begun, or given up where the machine is slower than it was.
-    assert "one more mesh would take about" in first or "was given up" in first
+    # The next mesh is not begun, or stopped where the machine is slower than it was.
+    assert "one more mesh would take about" in first or "was stopped" in first
 
 
 def test_modes_that_grow_just_above_the_window_are_hinted_at_as_a_run_does():

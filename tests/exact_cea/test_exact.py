@@ -12,6 +12,7 @@ from reference_data import stored
 from typer.testing import CliRunner
 
 from cea.errors import InputError
+from comparisons.accuracy.problems import PROBLEMS, exact
 from comparisons.cli.exact import app
 from exact_cea import entries, galerkin_problems, lumped
 from exact_cea.blocks import Blocks, layer_response
@@ -328,3 +329,11 @@ def test_parameters_a_problem_does_not_have_are_refused(solve, arguments, field)
     with pytest.raises(InputError) as refused:
         solve(**arguments)
     assert refused.value.field.startswith(field)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [each if each == "drum" else pytest.param(each, marks=pytest.mark.slow) for each in PROBLEMS],
+)
+def test_lists_that_accuracy_is_measured_by_are_exact(name):
+    np.testing.assert_allclose(PROBLEMS[name].exact(1.0), exact(name, 1.0), rtol=1e-11, atol=1e-13)

@@ -2,7 +2,7 @@
 
 import json
 import os
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import inf
 from pathlib import Path
 
@@ -59,6 +59,13 @@ def test_matrices_have_the_eigenvalues(result):
         assert np.abs(found - value).min() < 1e-7 * abs(value)
     inside = (found.imag > 0) & (found.imag < 2 * np.pi * result.analysis.max_frequency)
     assert inside.sum() == len(result.modes)
+
+
+def test_bodies_of_other_names_are_refused(result):
+    """As long as nobody knows what they were made of."""
+    own = {name: replace(body, made_of=None) for name, body in result.bodies.items()}
+    with pytest.raises(InputError, match=r"bodies = \['UPPER', 'lower'\]"):
+        run_modes(result.scene, bodies={"UPPER": own["upper"], "lower": own["lower"]})
 
 
 @pytest.mark.grid
