@@ -167,7 +167,7 @@ def test_another_body_is_refused():
     for one, other, told in (
         (coarse, lagrange_body("part", far, degree=1, material=PLASTIC), r"mesh = .* cells apart"),
         (ring, body(PLATE, (2, 8), (2, 2)), "patches = '1 in 2 dimensions': 4 in 2"),
-        (ring, body(Ring(0.9, 1.7), (2, 8), (2, 2)), "one body in both"),
+        (ring, body(Ring(0.9, 1.7), (2, 8), (2, 2)), "the same body in both"),
     ):
         with pytest.raises(InputError, match=told):
             prolongation(one, other)
