@@ -1,10 +1,12 @@
-"""Array types, checked conversion of input to arrays of numbers, and slices for chunked work."""
+"""Array types, checked conversion of input to arrays, slices for chunked work, and groups."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from cea.errors import InputError, require
 
@@ -66,3 +68,9 @@ def is_number(value: object) -> bool:
         return bool(np.isfinite(float(value)))
     except OverflowError:
         return False
+
+
+def connected(pairs: Ints, count: int) -> Ints:
+    """Return the group of each of ``count`` entries, from 0, such that pairs share a group."""
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)

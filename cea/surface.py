@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, connected
 from cea.errors import InputError, require
 from cea.location import Chart
 from cea.mesh import lattice
 from cea.surface_points import (
     SurfaceCoordinates,
     SurfacePoints,
-    connected,
     gauss_rule,
     pairs_of_equal,
 )

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array, triu
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csr_array, triu
 from scipy.special import roots_jacobi, roots_legendre
 
 from cea.arrays import Floats, Ints
@@ -127,9 +126,3 @@ def pairs_of_equal(numbers: Ints) -> Ints:
     shape = (n, int(numbers.max(initial=0)) + 1)
     has = csr_array((np.ones(n, dtype=np.int8), numbers, np.arange(n + 1)), shape=shape)
     return np.column_stack(triu(has @ has.T, k=1).coords).astype(np.int64)
-
-
-def connected(pairs: Ints, count: int) -> Ints:
-    """Return the group of each of ``count`` entries, from 0, such that pairs share a group."""
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)

@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import KDTree
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, connected
 from cea.errors import InputError
-from cea.surface_points import connected
 from iga_cea.face import PatchFace
 from iga_cea.patch import subdivided
 from iga_cea.splines import grid_points

@@ -16,8 +16,7 @@ from itertools import product
 
 import numpy as np
 
-from cea.arrays import Floats, Ints
-from cea.surface_points import connected
+from cea.arrays import Floats, Ints, connected
 from iga_cea.collapse import coinciding, face_is_collapsed
 from iga_cea.face import PatchFace
 from iga_cea.joints import joined_dofs

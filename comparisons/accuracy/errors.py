@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.matching import assign, match_spectrum
+from cea.eigen.matching import assign
 from cea.errors import ConvergenceError, InputError
 from comparisons.accuracy.cases import methods, refinements, scene_of
 from comparisons.accuracy.problems import PROBLEMS, exact
+from comparisons.study.matching import match_spectrum
 from comparisons.study.measure import measured
 from comparisons.study.study import Case, Session
 from exact_cea.reference import exact_eigenvalues

@@ -12,9 +12,9 @@ from typing import Annotated, Any
 
 import pandas as pd
 
-from cea.eigen.matching import match_spectrum
 from comparisons.study.columns import wide
 from comparisons.study.formulations import Variant, variants
+from comparisons.study.matching import match_spectrum
 from comparisons.study.numbers import shown
 from comparisons.study.sections import Column, Plot, Section, Table
 from comparisons.study.study import Case, Session, StudyResult

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, connected
 from cea.errors import InputError, require
 from cea.mesh import Cell, Mesh, facet_nodes
-from cea.surface_points import connected
 from meshes.files.elements import CORNERS, FACES, KINDS, full_kind
 
 Role = Literal["solid", "mark", "structural"]

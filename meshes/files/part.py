@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from cea.arrays import Floats, Ints, chunks
+from cea.arrays import Floats, Ints, chunks, connected
 from cea.errors import InputError, require
 from cea.mesh import SIMPLICES, Cell, Mesh, facet_nodes, lattice, node_order, reference_nodes
-from cea.surface_points import connected
 from meshes.files.content import (
     ElementBlock,
     FileContent,

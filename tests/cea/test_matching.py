@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from reference_data import DRUM_BODIES
 
-from cea.eigen.matching import group, match_spectrum
+from cea.eigen.matching import group
+from comparisons.study.matching import match_spectrum
 from scenes import run_scene
 from scenes.results.matching import (
     ModeSet,

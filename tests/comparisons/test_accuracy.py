@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from reference_data import both_signs, eigenvalues, stored
 
-from cea.eigen.matching import match_spectrum
 from cea.errors import ConvergenceError
 from comparisons.accuracy import errors
 from comparisons.accuracy import study as page
 from comparisons.accuracy.cases import Options, estimated_dofs, methods, refinements, scene_of
 from comparisons.accuracy.problems import PROBLEMS, exact
 from comparisons.accuracy.study import STUDY
+from comparisons.study.matching import match_spectrum
 from comparisons.study.result import StudyResult, read
 from comparisons.study.run import run
 from comparisons.study.session import Session

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cea.eigen.matching import match_spectrum
+from comparisons.study.matching import match_spectrum
 from exact_cea.reference import whole_spectrum
 from scenes import run_scene
 from scenes.spec.reading import load_scene

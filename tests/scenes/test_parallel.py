@@ -15,7 +15,7 @@ from mpi import cea_on_ranks, mpiexec, on_ranks
 from same_numbers import assert_same
 
 from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.matching import match_spectrum
+from comparisons.study.matching import match_spectrum
 from scenes import run_modes, run_scene
 from scenes.spec.plain import checked
 from scenes.spec.reading import read_scene
