@@ -42,11 +42,16 @@ def test_figures_of_the_paper_have_their_frozen_numbers(table):
         assert_same(found[column], expected[column], 1e-8)
 
 
+_PROSE = ("claim", "measure")
+"""Columns that say what was decided and how, in words that may improve."""
+
+
 def test_claims_of_the_paper_have_their_frozen_verdicts():
     found = judged(PAPER).to_dict("records")
     for row, expected in zip(found, stored("tables")["paper_claims"], strict=True):
         for column, value in expected.items():
-            assert_same([row[column]], [value], 1e-8)
+            if column not in _PROSE:
+                assert_same([row[column]], [value], 1e-8)
 
 
 def assert_same(found, expected, rel):

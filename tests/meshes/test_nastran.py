@@ -220,7 +220,7 @@ def test_files_are_included_from_their_folder_or_that_of_the_job(tmp_path):
     more.write_text("INCLUDE '../all.bdf'\n")
     for wrong, told in (
         (text, "include each other"),
-        ("INCLUDE none.bdf\n", "a file that is included"),
+        ("INCLUDE none.bdf\n", "an included file"),
         ("INCLUDE '/dev/zero'\n", "a file"),
     ):
         with pytest.raises(InputError, match=told):

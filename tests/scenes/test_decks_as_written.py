@@ -96,7 +96,7 @@ def test_one_plate_in_every_spelling(tmp_path, name):
     [
         (f"{BODY}{HELD}*ELEMENT, TYPE=MASS, ELSET=LUMP\n900, 30\n*MASS, ELSET=LUMP\n0.5\n", "MASS"),
         (f"{BODY}{HELD}*NSET, NSET=OLD\nGONE\n", "GONE"),
-        (f"*INCLUDE, INPUT=mesh/Nodes.inp\n{HELD}", "mesh/Nodes.inp.*capitals"),
+        (f"*INCLUDE, INPUT=mesh/Nodes.inp\n{HELD}", "mesh/Nodes.inp.*case-sensitive"),
         (f"{BODY}{HELD}*ELSET, ELSET=LUMP\n900\n*ELEMENT, TYPE=MASS\n900, 30\n", "MASS"),
         (f"*INCLUDE, INPUT=plate.inp\n{HELD}", "include each other"),
         (f"{PART}plate, LIBRARY=old\n{PLACED}", "LIBRARY=old"),
