@@ -9,7 +9,6 @@ import pandas as pd
 import pytest
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Segments
-from cea.eigen.matching import ModeSet
 from cea.errors import InputError
 from cea.system.contact_stresses import stresses_at
 from comparisons.paper import crowned_pad
@@ -34,6 +33,7 @@ from comparisons.paper.study import STUDY
 from comparisons.study.result import StudyResult, read
 from comparisons.study.session import Session
 from scenes import run_modes, run_scene
+from scenes.results.matching import ModeSet
 
 SHIPPED = read("paper", STUDY.shipped)
 CASES = [case["labels"] for case in SHIPPED.cases]

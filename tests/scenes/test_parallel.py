@@ -277,7 +277,7 @@ import sys
 import scenes.running.system
 from mpi4py import MPI
 
-search = scenes.running.system.build_interfaces
+search = scenes.running.system.build_contacts
 faulty = int(sys.argv.pop())
 
 
@@ -287,7 +287,7 @@ def fails_on_one_rank(*arguments):
     return search(*arguments)
 
 
-scenes.running.system.build_interfaces = fails_on_one_rank
+scenes.running.system.build_contacts = fails_on_one_rank
 from comparisons.cli.app import main
 
 main()
