@@ -86,9 +86,10 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     assert any(each["kind"] == "flutter" and each["change"] > 0 for each in data["thresholds"])
     assert len(thresholds(swept)) == len(data["thresholds"])
     assert not data["unresolved"]
-    differ = [e["full_solve_differs"] for e in data["thresholds"] if "full_solve_differs" in e]
-    assert differ
-    assert np.abs(differ).max() < 1e-8
+    confirmed = [each for each in data["thresholds"] if "full_solve_differs" in each]
+    assert confirmed
+    for each in confirmed:
+        assert abs(each["full_solve_differs"]) < min(1e-8, each["error"] + 1e-11)
 
 
 @pytest.mark.slow
