@@ -11,15 +11,12 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.location import cross
-from iga_cea.face_shape import FaceShape, projected, tensor_splines
+from iga_cea.face_shape import FaceShape, tensor_splines
 from iga_cea.patch import Patch
 from iga_cea.splines import botella, greville, grid_points
 
 _SINGULAR = 1e-12
 """Jacobian, relative to a power of its longest tangent, below which it is singular."""
-
-_ROUNDING = 16 * np.finfo(float).eps
-"""Relative distance of control points from an affine net that is treated as rounding."""
 
 _BESIDE = 1e-6
 """Distance from a collapsed edge at which limits are evaluated, in half parameter ranges."""
@@ -43,7 +40,7 @@ class PatchFace:
     control_points: Floats  # control points (m) on the face and behind it, shape (n1, ..., 2, dim)
     weights: Floats  # their weights, shape (n1, ..., 2)
     dofs: Ints  # their scalar dofs, shape (n1, ..., 2)
-    shape: FaceShape  # its map before knot insertion, for extrapolation beyond its edges
+    shape: FaceShape  # its map, on the knots before knot insertion
 
     @classmethod
     def of(cls, patch: Patch, dofs: Ints, end: tuple[int, int, int]) -> "PatchFace":
@@ -104,57 +101,14 @@ class PatchFace:
 
     def trace(self, xi: Floats) -> tuple[Ints, Floats]:
         """Return numbers and values of the functions on the face, both (n, functions)."""
-        at, splines, _ = self._splines(xi, derivatives=False)
-        weighted = splines * self._outer_weights[at]
+        at, splines, _ = tensor_splines(self.knots, self.degrees, xi, derivatives=False)
+        weighted = splines * self._weights[at, 0]
         weighted /= weighted.sum(axis=1, keepdims=True)
         return at, weighted
 
-    @cached_property
-    def affine(self) -> tuple[Floats, Floats] | None:
-        """Position (m) of its first corner, (dim,), and derivatives along xi, (dim, dim - 1).
-
-        None if the map is not affine to rounding of the control points. A spline whose coefficients
-        are the values of an affine map at the Greville abscissae is that map.
-        """
-        net, weights = self.control_points[..., 0, :], self.weights[..., 0]
-        if np.ptp(weights) > _ROUNDING * weights.max():
-            return None
-        corner = net[(0,) * (self.dim - 1)]
-        ends = [net[tuple(-int(k == axis) for k in self._axes)] for axis in self._axes]
-        length = np.array([knots[-1] - knots[0] for knots in self.knots])
-        edges = (np.array(ends) - corner).T / length
-        flat = corner + self._from_first_corner(self.abscissae("greville")) @ edges.T
-        off = np.abs(flat - self._points[:, 0]).max()
-        return (corner, edges) if off <= _ROUNDING * np.abs(net).max() else None
-
-    @property
-    def _axes(self) -> range:
-        return range(self.dim - 1)
-
-    def _from_first_corner(self, xi: Floats) -> Floats:
-        """Return parameters relative to their lower ends."""
-        return xi - np.array([knots[0] for knots in self.knots])
-
     def tangents(self, xi: Floats) -> tuple[Floats, Floats]:
         """Return positions (n, dim) and dx_i/dxi_j (n, dim, dim - 1), also beyond the edges."""
-        if self.affine is not None:
-            corner, edges = self.affine
-            x = corner + self._from_first_corner(xi) @ edges.T
-            return x, np.broadcast_to(edges, (len(xi), *edges.shape))
-        beyond = self.shape.is_beyond(xi)
-        if not beyond.any():
-            return self._tangents(xi)
-        if beyond.all():
-            return self.shape.tangents(xi)
-        x = np.empty((len(xi), self.dim))
-        tangents = np.empty((len(xi), self.dim, self.dim - 1))
-        x[~beyond], tangents[~beyond] = self._tangents(xi[~beyond])
-        x[beyond], tangents[beyond] = self.shape.tangents(xi[beyond])
-        return x, tangents
-
-    def _tangents(self, xi: Floats) -> tuple[Floats, Floats]:
-        at, splines, slopes = self._splines(xi, derivatives=True)
-        return projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
+        return self.shape.tangents(xi)
 
     def normals(self, xi: Floats) -> tuple[Floats, Floats, Floats]:
         """Return positions (n, dim), outward unit normals (n, dim), area per area of xi (n,).
@@ -163,8 +117,8 @@ class PatchFace:
         tangents. On collapsed edges, where that vanishes, limits are evaluated nearby.
         """
         x, tangents = self.tangents(xi)
-        if self.affine is not None:
-            flat = cross(self.affine[1][None])
+        if self.shape.affine is not None:
+            flat = cross(self.shape.affine[1][None])
             size = np.linalg.norm(flat)
             normal = np.broadcast_to(self._handedness * flat / size, x.shape)
             return x, normal, np.full(len(x), size)
@@ -206,23 +160,9 @@ class PatchFace:
         return self.dofs.reshape(-1, 2)
 
     @cached_property
-    def _outer_weights(self) -> Floats:
-        return self._weights[:, 0].copy()
-
-    @cached_property
     def outer_dofs(self) -> Ints:
         """Scalar dofs of the functions that are nonzero on the face, flat."""
         return self._dofs[:, 0].copy()
-
-    @cached_property
-    def _homogeneous(self) -> Floats:
-        """Homogeneous control points of the outer layer, weights last, (n, dim + 1)."""
-        weights = self._outer_weights[:, None]
-        return np.hstack([self._points[:, 0] * weights, weights])
-
-    def _splines(self, xi: Floats, derivatives: bool) -> tuple[Ints, Floats, list[Floats]]:
-        """Return flat numbers, values and derivatives of the face's splines, (n, functions)."""
-        return tensor_splines(self.knots, self.degrees, xi, derivatives=derivatives)
 
     def _rational(
         self, at: Ints, splines: Floats, slopes: list[Floats]
@@ -254,7 +194,7 @@ class PatchFace:
         return xi + _BESIDE * (middle - xi)
 
     def _jacobian_at(self, xi: Floats) -> tuple[Ints, Floats, Floats, Floats]:
-        at, splines, slopes = self._splines(xi, derivatives=True)
+        at, splines, slopes = tensor_splines(self.knots, self.degrees, xi, derivatives=True)
         values, along = self._rational(at, splines, slopes)
         weighted = splines[:, :, None] * self._weights[at]
         across = weighted / weighted[:, :, 0].sum(axis=1)[:, None, None]

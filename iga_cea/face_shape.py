@@ -1,18 +1,22 @@
 """Map of a face on the knots of the geometry, before knot insertion for the trial space.
 
-Both maps agree on the face. Beyond its edges the polynomials of the outermost knot span are
-extrapolated, and rounding errors grow with the distance, in spans, to the power of the degree. The
-spans of the geometry are therefore better than the smaller spans of the trial space.
+On the face the map does not depend on inserted knots. Beyond its edges the polynomials of the
+outermost knot span are extrapolated, and rounding errors grow with the distance, in spans, to the
+power of the degree. The spans of the geometry are therefore better than the smaller spans of the
+trial space.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
 from iga_cea.patch import PatchGeometry, homogeneous
-from iga_cea.splines import basis_functions
+from iga_cea.splines import basis_functions, greville, grid_points
+
+_ROUNDING = 16 * np.finfo(float).eps
+"""Relative distance of control points from an affine net that is treated as rounding."""
 
 
 @dataclass(frozen=True)
@@ -34,15 +38,39 @@ class FaceShape:
             net=net.reshape(-1, net.shape[-1]),
         )
 
-    def is_beyond(self, xi: Floats) -> NDArray[np.bool_]:
-        """Return True for parameters beyond the edges of the face, shape (n,)."""
-        ends = np.array([[knots[0], knots[-1]] for knots in self.knots])
-        return np.asarray(((xi < ends[:, 0]) | (xi > ends[:, 1])).any(axis=1))
+    @cached_property
+    def affine(self) -> tuple[Floats, Floats] | None:
+        """Position (m) of its first corner, (dim,), and derivatives along xi, (dim, dim - 1).
+
+        None if the map is not affine to rounding of the control points. A spline whose coefficients
+        are the values of an affine map at the Greville abscissae is that map.
+        """
+        points, weights = self.net[:, :-1] / self.net[:, -1:], self.net[:, -1]
+        if np.ptp(weights) > _ROUNDING * weights.max():
+            return None
+        along = [greville(k, p) for k, p in zip(self.knots, self.degrees, strict=True)]
+        net = points.reshape(*map(len, along), -1)
+        corner = net[(0,) * len(along)]
+        ends = [net[tuple(row)] for row in -np.eye(len(along), dtype=int)]
+        length = np.array([knots[-1] - knots[0] for knots in self.knots])
+        edges = (np.array(ends) - corner).T / length
+        flat = corner + (grid_points(tuple(along)) - self._first) @ edges.T
+        off = np.abs(flat - points).max()
+        return (corner, edges) if off <= _ROUNDING * np.abs(points).max() else None
+
+    @property
+    def _first(self) -> Floats:
+        """Lower ends of the parameters."""
+        return np.array([knots[0] for knots in self.knots])
 
     def tangents(self, xi: Floats) -> tuple[Floats, Floats]:
         """Return positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
+        if self.affine is not None:
+            corner, edges = self.affine
+            x = corner + (xi - self._first) @ edges.T
+            return x, np.broadcast_to(edges, (len(xi), *edges.shape))
         at, splines, slopes = tensor_splines(self.knots, self.degrees, xi, derivatives=True)
-        return projected(np.stack([splines, *slopes], axis=1) @ self.net[at])
+        return _projected(np.stack([splines, *slopes], axis=1) @ self.net[at])
 
 
 def tensor_splines(
@@ -73,7 +101,7 @@ def _products(a: Floats, b: Floats) -> Floats:
     return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
 
 
-def projected(homogeneous: Floats) -> tuple[Floats, Floats]:
+def _projected(homogeneous: Floats) -> tuple[Floats, Floats]:
     """Return positions and derivatives from those of w x and w: (w x)' = w' x + w x'."""
     weight = homogeneous[:, 0, -1]
     x = homogeneous[:, 0, :-1] / weight[:, None]
