@@ -3,14 +3,16 @@
 from functools import reduce
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, diags_array, kron, vstack
-from scipy.special import comb
+from scipy.sparse import csr_array, diags_array, kron, vstack
 
 from cea.arrays import Floats, Ints
 from cea.body.space import VolumeCells
 from iga_cea.multipatch import Multipatch
 from iga_cea.patch import Patch
-from iga_cea.splines import insertion_matrix
+from iga_cea.splines import elevation_matrix, insertion_matrix
+
+_ROUNDING = 1e-14
+"""Drop tolerance of elevation, whose coefficients sum to one."""
 
 
 def bezier_cells(multipatch: Multipatch) -> VolumeCells:
@@ -48,28 +50,15 @@ def _extraction(patch: Patch, degree: int) -> tuple[csr_array, Floats]:
     factors = []
     for knots, breaks, p in zip(patch.knots, patch.breaks, patch.degrees, strict=True):
         # With knots of multiplicity p every span has its own polynomials.
-        frequency = [p + 1, *[p] * (len(breaks) - 2), p + 1]
-        extraction = csr_array(insertion_matrix(knots, p, np.repeat(breaks, frequency)))
-        factors.append(_elevation(len(breaks) - 1, p, degree) @ extraction)
+        bezier = np.repeat(breaks, [p + 1, *[p] * (len(breaks) - 2), p + 1])
+        _, elevation = elevation_matrix(bezier, p, degree)
+        elevation[np.abs(elevation) < _ROUNDING] = 0.0
+        factors.append(csr_array(elevation @ insertion_matrix(knots, p, bezier)))
     weighted = reduce(lambda a, b: kron(a, b, format="csr"), factors) @ diags_array(
         patch.weights.ravel()
     )
     weight = weighted.sum(axis=1)
     return csr_array(diags_array(1 / weight) @ weighted), weight
-
-
-def _elevation(spans: int, p: int, q: int) -> csr_array:
-    """Return the map of Bezier coefficients from degree p to q; spans share their ends."""
-    i, j = np.arange(q + 1)[:, None], np.arange(p + 1)
-    table = comb(p, j) * comb(q - p, i - j) / comb(q, i)
-    span = np.arange(spans)[:, None, None]
-    # The point between two spans belongs to the second; the last span also has its end.
-    own = np.broadcast_to((i < q) | (span == spans - 1), (spans, q + 1, p + 1))
-    own = own & (table > 0)
-    rows = np.broadcast_to(q * span + i, own.shape)[own]
-    columns = np.broadcast_to(p * span + j, own.shape)[own]
-    data = np.broadcast_to(table, own.shape)[own]
-    return csr_array(coo_array((data, (rows, columns)), shape=(spans * q + 1, spans * p + 1)))
 
 
 def _elements(counts: list[int], degree: int, points: Floats) -> Ints:
