@@ -60,16 +60,6 @@ def arms_about(axis: ArrayLike, origin: Sequence[float], x: Floats) -> tuple[Flo
     return direction, arm - np.outer(arm @ direction, direction)
 
 
-def is_number(value: object) -> bool:
-    """Return whether a value is a finite real number and not a boolean."""
-    if not isinstance(value, int | float | np.integer | np.floating) or isinstance(value, bool):
-        return False
-    try:
-        return bool(np.isfinite(float(value)))
-    except OverflowError:
-        return False
-
-
 def connected(pairs: Ints, count: int) -> Ints:
     """Return the group of each of ``count`` entries, from 0, such that pairs share a group."""
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))

@@ -12,11 +12,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from cea.arrays import Floats, is_number
+from cea.arrays import Floats
 from cea.errors import InputError, require
 from cea.expressions import Expression
 
@@ -152,7 +153,7 @@ class Material(ABC):
         return {}
 
     def __post_init__(self) -> None:
-        given = self.rho is None or (is_number(self.rho) and self.rho > 0)
+        given = self.rho is None or 0 < self.rho < inf
         require(given, "material.rho", self.rho, "a positive number (kg/m^3)")
 
     def density(self, field: str) -> float:
@@ -198,10 +199,8 @@ class IsotropicMaterial(Material):
     kind: ClassVar[str] = "isotropic"
 
     def __post_init__(self) -> None:
-        positive = is_number(self.E) and self.E > 0
-        require(positive, "material.E", self.E, "a positive number (N/m^2)")
-        within = is_number(self.nu) and -1 < self.nu < 0.5
-        require(within, "material.nu", self.nu, "between -1 and 0.5, both excluded")
+        require(0 < self.E < inf, "material.E", self.E, "a positive number (N/m^2)")
+        require(-1 < self.nu < 0.5, "material.nu", self.nu, "between -1 and 0.5, both excluded")
         super().__post_init__()
 
     @property
@@ -235,7 +234,7 @@ class SolidOfConstants(Material):
         super().__post_init__()
         for name, value in self.constants.items():
             positive = name[0] in "EG"
-            valid = is_number(value) and (value > 0 or not positive)
+            valid = (0 if positive else -inf) < value < inf
             require(valid, f"material.{name}", value, f"a {'positive ' * positive}number")
         matrix = self.matrix_of(self.constants)
         diagonal = np.abs(np.diag(matrix))

@@ -25,7 +25,7 @@ class AlongVector:
     vector: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        _check_vector(self.vector, "vector")
+        require(any(self.vector), "vector", self.vector, "finite numbers, not all zero")
 
     def check(self, dim: int, field: str) -> None:
         """Raise InputError if the vector has another dimension than space."""
@@ -53,7 +53,8 @@ class Circumferential:
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        _check_vector(self.circumferential_about, "circumferential_about")
+        axis = self.circumferential_about
+        require(any(axis), "circumferential_about", axis, "finite numbers, not all zero")
 
     def check(self, dim: int, field: str) -> None:
         """Raise InputError in 2D for an axis that is not along z or an origin with z != 0."""
@@ -122,12 +123,6 @@ class Friction:
     def acts(self) -> bool:
         """Whether the coefficient is nonzero anywhere."""
         return bool(np.any(self.mu))
-
-
-def _check_vector(vector: tuple[float, ...], name: str) -> None:
-    """Raise InputError if a vector is zero or not finite."""
-    real = bool(np.isfinite(vector).all() and np.any(vector))
-    require(real, name, vector, "finite numbers, not all zero")
 
 
 def _tangent(direction: Floats, normal: Floats) -> Floats:

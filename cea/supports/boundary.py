@@ -51,12 +51,8 @@ class Support:
         for name, vector in (("axis", self.axis), ("origin", self.origin)):
             allowed = "left out unless components are radial, circumferential, axial"
             require(vector is None or self._about_axis, name, vector, allowed)
-            finite = vector is None or bool(np.isfinite(vector).all())
-            require(finite, name, vector, "finite coordinates (m)")
         real = self.axis is None or any(self.axis)
         require(real, "axis", self.axis, "a finite vector that is not zero")
-        finite = self.value is None or bool(np.isfinite(self.value).all())
-        require(finite, "value", self.value, "finite numbers (m)")
         if isinstance(self.value, tuple) and count:
             require(len(self.value) == count, "value", self.value, f"one number (m), or {count}")
             allowed = "distinct if each has a value"
@@ -153,8 +149,7 @@ class Spring:
     stiffness: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        values = np.asarray(self.stiffness, dtype=float)
-        valid = bool(np.isfinite(values).all() and (values >= 0).all())
+        valid = all(value >= 0 for value in self.stiffness)
         require(valid, "spring.stiffness", self.stiffness, "finite and not negative (N/m^3)")
 
     def check(self, dim: int, field: str) -> None:
@@ -169,10 +164,6 @@ class Pressure:
 
     surface: str  # name of the surface
     value: float  # pressure (N/m^2), positive pushes on the body
-
-    def __post_init__(self) -> None:
-        finite = bool(np.isfinite(self.value))
-        require(finite, "pressure.value", self.value, "a finite number (N/m^2)")
 
     def check(self, dim: int, field: str) -> None:
         """Do nothing: a pressure fits any dimension."""
@@ -189,10 +180,6 @@ class Force:
     # components of the total (N; N/m in 2D), or per volume (N/m^3)
     value: tuple[float, ...]
     surface: str | None = None  # name of the surface; None: a volume force
-
-    def __post_init__(self) -> None:
-        finite = bool(np.isfinite(np.asarray(self.value, dtype=float)).all())
-        require(finite, "force.value", self.value, "finite numbers (N, or N/m^3)")
 
     def check(self, dim: int, field: str) -> None:
         """Raise InputError if the number of components is not ``dim``."""
