@@ -16,12 +16,6 @@ from iga_cea.kinks import smooth_pieces
 _AREA_POINTS = 12
 """Gauss points per span for the area: a quarter circle in one span needs ten for 1e-14."""
 
-_TRIED_POINTS = (4, 5)
-"""Gauss points per span that suffice if both give the same area, as on fine spans."""
-
-_SAME_AREA = 1e-14
-"""Relative difference of areas treated as rounding."""
-
 
 class NurbsSurface(Surface):
     """Named faces of patches; its elements are these faces, numbered from 0 in their order.
@@ -64,14 +58,8 @@ class NurbsSurface(Surface):
 
     @cached_property
     def element_areas(self) -> Floats:
-        """Area (m^2; length in 2D) of each face, by the cheapest sufficient Gauss quadrature."""
-        few, more = (self._areas_by(n) for n in _TRIED_POINTS)
-        same = abs(few.sum() - more.sum()) <= _SAME_AREA * more.sum()
-        return more if same else self._areas_by(_AREA_POINTS)
-
-    def _areas_by(self, n: int) -> Floats:
-        """Return the areas of the faces with n Gauss points per span and direction."""
-        points = self.gauss_points(n)
+        """Area (m^2; length in 2D) of each face."""
+        points = self.gauss_points(_AREA_POINTS)
         faces = range(len(self.faces))
         return np.array([points.weight[points.at.element == number].sum() for number in faces])
 
