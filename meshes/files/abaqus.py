@@ -60,15 +60,13 @@ class Scope:
     nodes: list[tuple[Ints, Floats]] = field(default_factory=list)
     elements: list[ElementBlock] = field(default_factory=list)
     sets: list[tuple[Type, str, Keyword | Ints]] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
     numbers: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     first_node: int = 0
     first_element: int = 0
 
     def placed(self, name: str, placing: list[list[str]]) -> "Scope":
         """An instance with the content of the part, to which its own is added."""
-        lists = [*self.nodes], [*self.elements], [*self.sets], [*self.told]
-        return Scope(name, placing, *lists)
+        return Scope(name, placing, [*self.nodes], [*self.elements], [*self.sets])
 
     def take(self, keyword: Keyword) -> None:
         """Add the content of a keyword; ignore keywords that do not concern the mesh."""
@@ -100,12 +98,10 @@ class Scope:
         for pattern, dim, role in _TYPES:
             if match := re.fullmatch(pattern, kind):
                 known = _NAMES[dim, int(match[1])]
-                rows, longer = keyword.elements(len(KINDS[known].groups))
-                if longer:
-                    self.told.append(f"numbers behind the nodes of {longer} elements {kind}")
+                rows = keyword.elements(len(KINDS[known].groups))
                 return block(kind, known, rows[:, 0], rows[:, 1:], role=role)
         solid = kind.startswith(_OTHER_SOLIDS)
-        return without_nodes(kind, keyword.elements(0)[0][:, 0], "solid" if solid else "structural")
+        return without_nodes(kind, keyword.first_numbers(), "solid" if solid else "structural")
 
     def _take_surface(self, keyword: Keyword) -> None:
         name, of = keyword.needed("NAME"), keyword.parameters.get("TYPE", "ELEMENT").upper()
@@ -178,7 +174,6 @@ def abaqus_content(file: Path) -> FileContent:
         np.concatenate(points),
         np.concatenate([scope.numbers for scope in every]),
         [each for scope in every for each in scope.elements],
-        told=list(dict.fromkeys(each for scope in every for each in scope.told)),
     )
     return _Resolver(content, {scope.name.upper(): scope for scope in every}).with_sets()
 
@@ -320,12 +315,6 @@ class _Resolver:
             }
             return np.concatenate([self.content.sided(e, label) for label, e in listed.items()])
         names = [name for line in keyword.lines for name in line if name]
+        require(how == "UNION", "file", f"*SURFACE, COMBINE={how}", "UNION of surfaces")
         found = [self.members("surface", key, name) for name in names]
-        if how == "UNION":
-            return np.concatenate([np.empty((0, 2), dtype=np.int64), *found])
-        numbered = all((faces[:, 1] >= 0).all() for faces in found)
-        fits = how in ("INTERSECTION", "DIFFERENCE") and len(names) == 2 and numbered
-        allowed = "UNION, or INTERSECTION or DIFFERENCE of two surfaces of numbered faces"
-        require(fits, "file", f"*SURFACE, COMBINE={how}", allowed)
-        shared = np.isin(found[0] @ [8, 1], found[1] @ [8, 1])
-        return found[0][shared if how == "INTERSECTION" else ~shared]
+        return np.concatenate([np.empty((0, 2), dtype=np.int64), *found])

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -56,29 +57,20 @@ class Keyword:
         values = self._numbers(fields).reshape(-1, 4)
         return self._whole(values[:, 0]), values[:, 1:]
 
-    def elements(self, size: int) -> tuple[Ints, int]:
-        """Numbers and nodes of elements, (n, size + 1), and how many list more numbers.
-
-        An element ends with the line that completes its nodes, or with the lines that continue it
-        after a comma.
-        """
-        width, longer, whole, joined = size + 1, 0, True, True
-        fields: list[str] = []
-        record: list[str] = []
-        for row in self.lines:
-            goes_on = row[-1] == ""
-            record += row[:-1] if goes_on else row
-            more = len(record) > width
-            if len(record) < width or (more and goes_on):
-                joined = joined and goes_on
-                continue
-            whole = whole and (joined or not more)
-            longer += more
-            fields += record[:width]
-            record, joined = [], True
+    def elements(self, size: int) -> Ints:
+        """Numbers and nodes of elements, (n, size + 1); each begins a line."""
+        rows = [row[:-1] if row[-1] == "" else row for row in self.lines]
+        ends = np.cumsum([0, *map(len, rows)])
+        whole = ends[-1] % (size + 1) == 0 and set(range(0, ends[-1], size + 1)) <= {*ends.tolist()}
         told = f"*ELEMENT, TYPE={self.needed('TYPE')}"
-        require(whole and not record, "file", told, f"{width} numbers for each element")
-        return self._whole(self._numbers(fields)).reshape(-1, width), longer
+        require(bool(whole), "file", told, f"{size + 1} numbers for each element")
+        fields = [field for row in rows for field in row]
+        return self._whole(self._numbers(fields)).reshape(-1, size + 1)
+
+    def first_numbers(self) -> Ints:
+        """First number of each line that does not continue one with a comma at its end, (n,)."""
+        pairs = pairwise([["first"], *self.lines])
+        return self._whole(self._numbers([row[0] for before, row in pairs if before[-1]]))
 
     def members(self) -> tuple[Ints, list[str]]:
         """Numbers of the members of a set, and names of sets in it."""

@@ -107,7 +107,7 @@ class FileContent:
     ``points`` are nodes in the unit of the file, (n, 3), ``node_numbers`` their numbers; sets have
     elements, counted through the blocks; nodes, as rows of the points; or faces, (n, 2): elements
     and the index of the face, 0 for S1 in :data:`meshes.files.elements.FACES`, -1 for all free
-    ones. ``told`` lists what was left out.
+    ones.
     """
 
     points: Floats
@@ -116,7 +116,6 @@ class FileContent:
     element_sets: Mapping[str, Ints] = field(default_factory=dict)
     node_sets: Mapping[str, Ints] = field(default_factory=dict)
     face_sets: Mapping[str, Ints] = field(default_factory=dict)
-    told: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         fits = bool((np.abs(self.points) < _FARTHEST).all())

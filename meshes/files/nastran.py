@@ -113,21 +113,9 @@ def _fields(line: str) -> tuple[str, list[str], str]:
 
 
 def _columns(line: str) -> list[str]:
-    """Fields of fixed width."""
-    cut = _cut(line)
-    if line[:1] != " " or not line[:_NARROW].strip():
-        return cut
-    # Either the name alone or the whole card is shifted to the right.
-    ways = [cut, _cut(line.lstrip())]
-    # Valid if no two fields touch, and the second one is not empty.
-    ways = [way for way in ways if any(way[1:2]) and " ".join(way).split() == line.split()]
-    fits = bool(ways) and ways[0] == ways[-1]
-    require(fits, "file", line.strip(), "a card whose name begins in the first column")
-    return ways[0]
-
-
-def _cut(line: str) -> list[str]:
     """Fields up to column 80; a tab ends a field, whether or not it fills its columns."""
+    begins = line[:1] != " " or not line[:_NARROW].strip()
+    require(begins, "file", line.strip(), "a card whose name begins in the first column")
     width = _WIDE if "*" in line[:_NARROW] else _NARROW
     first, *parts = line.split("\t")
     fields = [first[:_NARROW]]

@@ -237,8 +237,10 @@ Bottom,
 *Surface, name=Ends
 Second, S2
 First, S1
-*Surface, name=Lower, combine=DIFFERENCE
-Ends, Top
+*Surface, name=Floor
+First, S1
+*Surface, name=Lower, combine=UNION
+Floor,
 *End Part
 *Assembly, name=Assembly
 *Instance, name=Cube-1, part=Cube

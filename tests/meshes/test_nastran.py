@@ -65,8 +65,6 @@ SPELLINGS = {
     "zeros left out": small([[x if x != 0 else "" for x in card] for card in CARDS]),
     "comments behind fields": small(CARDS, end="  $ last") + "$ GRID, 1, 5\n",
     "lower case": small(CARDS).lower(),
-    "name moved": " " + small(CARDS).replace("GRID ", "GRID").replace("\nGRID", "\n GRID"),
-    "cards moved": " " + small(CARDS).replace("\nGRID", "\n GRID"),
     "large fields": large(CARDS),
     "large fields with marks": large(CARDS, marks=True),
     "free fields": free(CARDS),
