@@ -88,13 +88,14 @@ class Line:
             coupled[self.first[:, None] + a, local - a + self.degree] = True
         return coupled
 
-    def matrix(self, spans: slice, derivative: int) -> Floats:
-        """Return functions, or their slopes, at the points of spans, (points, functions)."""
-        first, tables = self.first[spans], self.tables[derivative, spans]
-        whole = np.zeros((*tables.shape[:2], self.functions))
+    def matrices(self, spans: slice) -> tuple[Floats, Floats]:
+        """Return functions and their slopes at the points of spans, (points, functions) each."""
+        first, tables = self.first[spans], self.tables[:, spans]
+        whole = np.zeros((*tables.shape[:3], self.functions))
         columns = first[:, None, None] + np.arange(self.degree + 1)
-        np.put_along_axis(whole, np.broadcast_to(columns, tables.shape), tables, axis=2)
-        return whole.reshape(-1, self.functions)
+        np.put_along_axis(whole, np.broadcast_to(columns, tables.shape), tables, axis=3)
+        values, slopes = whole.reshape(2, -1, self.functions)
+        return values, slopes
 
     def pairs(self, left: int, right: int, functions: slice) -> Floats:
         """Return products of functions and their partners, times the Gauss weights.

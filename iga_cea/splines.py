@@ -14,12 +14,6 @@ _HALVINGS = 60
 """Number of bisections, after which the bracket is below the spacing of floating point."""
 
 
-def find_span(knots: Floats, degree: int, x: Floats) -> Ints:
-    """Return i of the nonempty span ``knots[i] <= x < knots[i + 1]``; the last is closed."""
-    spans = np.searchsorted(knots, x, side="right") - 1
-    return np.clip(spans, degree, len(knots) - degree - 2)
-
-
 def basis_functions(
     knots: Floats, degree: int, x: Floats, *, slopes: bool = False
 ) -> tuple[Ints, Floats]:
@@ -29,7 +23,9 @@ def basis_functions(
     (n,), and for function ``first + j`` the value in ``[0, :, j]``, the slope in ``[1, :, j]``.
     """
     x = np.asarray(x, dtype=float)
-    span = find_span(knots, degree, x)
+    # The nonempty span knots[i] <= x < knots[i + 1]; the last is closed.
+    span = np.searchsorted(knots, x, side="right") - 1
+    span = np.clip(span, degree, len(knots) - degree - 2)
     values = np.zeros((1 + slopes, len(x), degree + 1))
     lower = np.ones((len(x), 1))
     for q in range(1, degree + 1):

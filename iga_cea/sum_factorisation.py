@@ -87,7 +87,7 @@ class _Box:
         self._patch_map = patch_map
         self._spans = [_spans(line, part) for line, part in zip(lines, box, strict=True)]
         self._map = patch_map(
-            [_matrices(line, spans) for line, spans in zip(lines[1:], self._spans[1:], strict=True)]
+            [line.matrices(spans) for line, spans in zip(lines[1:], self._spans[1:], strict=True)]
         )
 
     def _layers(self) -> Iterator[tuple[int, Coefficients]]:
@@ -102,12 +102,12 @@ class _Box:
     def separable(self) -> tuple[dict[Kind, Separation], Coefficients] | None:
         """Return separations, and the coefficients at their rows; None if not separable."""
         line, spans = self._lines[0], self._spans[0]
-        values, slopes = _matrices(line, spans)
+        values, slopes = line.matrices(spans)
         few = []
         for other, part in zip(self._lines[1:], self._spans[1:], strict=True):
-            matrices = _matrices(other, part)
-            at = np.unique(np.linspace(0, len(matrices[0]) - 1, _SAMPLES).astype(int))
-            few.append((matrices[0][at], matrices[1][at]))
+            along, rates = other.matrices(part)
+            at = np.unique(np.linspace(0, len(along) - 1, _SAMPLES).astype(int))
+            few.append((along[at], rates[at]))
         sample = self._form.coefficients(self._patch_map(few).at(values, slopes))
         kinds = {kind_of(*pair) for pair in sample}
         found = separate(sample, len(kinds) * line.window * line.points // 2)
@@ -134,7 +134,8 @@ class _Box:
         across = self._across(skeleton)
         kinds = sorted(across)
         held = np.concatenate([across[kind] for kind in kinds])
-        points = _window_points(line, functions, self._spans[0].start)
+        first = (line.starts[functions] - self._spans[0].start) * line.points
+        points = first[:, None] + np.arange(line.window * line.points)
         along = np.concatenate(
             [line.pairs(*kind, functions) @ found[kind].factors[points] for kind in kinds], axis=2
         )
@@ -213,17 +214,7 @@ def _spans(line: Line, functions: slice) -> slice:
     return slice(int(starts[0]), int(starts[-1]) + line.window)
 
 
-def _matrices(line: Line, spans: slice) -> tuple[Floats, Floats]:
-    return line.matrix(spans, 0), line.matrix(spans, 1)
-
-
 def _windows(line: Line, functions: slice, start: int) -> list[slice]:
     """Return the points of the windows of functions, numbered from a span."""
     first = (line.starts[functions] - start) * line.points
     return [slice(int(f), int(f) + line.window * line.points) for f in first]
-
-
-def _window_points(line: Line, functions: slice, start: int) -> np.ndarray:
-    """Return the same as indices, (functions, points of a window)."""
-    first = (line.starts[functions] - start) * line.points
-    return first[:, None] + np.arange(line.window * line.points)
