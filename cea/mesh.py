@@ -34,8 +34,7 @@ class Mesh:
     """Lagrange mesh of one kind of cell, with named parts of its boundary.
 
     Nodes of a cell are the points of a lattice on the reference cell, (i, j, k)/order with
-    0 <= i, j, k <= order in boxes (squares in 2D) and also i + j + k <= order in simplices,
-    0 <= i, j, k <= order in boxes (squares in the plane), i + j + k <= order in simplices besides,
+    0 <= i, j, k <= order in boxes (squares in 2D), and also i + j + k <= order in simplices,
     listed in C order: the last index runs fastest. So
 
     - linear triangles and tetrahedra list their corners in any order;

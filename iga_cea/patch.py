@@ -26,27 +26,22 @@ class PatchGeometry(Protocol):
     @property
     def degrees(self) -> tuple[int, ...]:
         """Degree along each parameter."""
-        ...
 
     @property
     def knots(self) -> tuple[Floats, ...]:
         """Open knot vector along each parameter."""
-        ...
 
     @property
     def control_points(self) -> Floats:
         """Control points (m), shape (n1, ..., dim), not multiplied by the weights."""
-        ...
 
     @property
     def weights(self) -> Floats:
         """Weights, shape (n1, ...)."""
-        ...
 
     @property
     def breaks(self) -> tuple[Floats, ...]:
         """Element boundaries along each parameter."""
-        ...
 
 
 @dataclass(frozen=True)

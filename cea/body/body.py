@@ -58,18 +58,18 @@ class Body:
     name
         Name of the body.
     space
-                Discretisation.
+        Discretisation.
     material
         Material.
     supports, springs, pressures, forces
-                Supports and loads of the named surfaces; springs are part of the stiffness.
+        Supports and loads of the named surfaces; springs are part of the stiffness.
     made_of
-                Key of its input data: a scene with the same data reuses the body.
+        Key of its input data: a scene with the same data reuses the body.
 
     Raises
     ------
     InputError
-                If a surface is unknown, or a component, spring or force does not fit the dimension.
+        If a surface is unknown, or a component, spring or force does not fit the dimension.
 
     Examples
     --------

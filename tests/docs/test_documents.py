@@ -42,14 +42,6 @@ def test_every_command_that_is_named_exists():
     assert named <= set(COMMANDS)
 
 
-def test_the_index_names_every_document():
-    text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    folder = ROOT / "docs"
-    pages = {str(path.relative_to(folder).with_suffix("")) for path in folder.rglob("*.md")}
-    assert pages - {"index"} == pages & set(text.splitlines())
-    assert len(pages) >= 4
-
-
 @pytest.mark.slow
 def test_the_site_is_built_without_warnings(tmp_path):
     pytest.importorskip("sphinx", reason="the extra docs is not installed: make docs")
