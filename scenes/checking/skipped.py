@@ -76,14 +76,11 @@ def _unused(scene: Scene) -> Iterator[_Row]:
 
 def _changed_elements(scene: Scene) -> Iterator[_Row]:
     """Yield how unsupported elements of mesh files are converted, with the bodies."""
-    files = {n: b.geometry for n, b in scene.bodies.items() if isinstance(b.geometry, MeshFile)}
-    parts = {name: file.elements for name, file in files.items()}
+    shapes = {name: body.geometry for name, body in scene.bodies.items()}
+    parts = {n: shape.elements for n, shape in shapes.items() if isinstance(shape, MeshFile)}
     divided = [name for name, part in parts.items() if part.is_divided]
     filled = [name for name, part in parts.items() if part.incomplete and name not in divided]
-    left_out = [f"{name}: {each}" for name, file in files.items() for each in file.content.told]
     reason = f"{CHANGED}midpoints of faces and cells are added to elements of {', '.join(filled)}"
     yield bool(filled), "serendipity", reason
     of_files = f"{CHANGED}elements of the mixed meshes of {', '.join(divided)}"
     yield bool(divided), "mixed elements", f"{of_files} are divided into tetrahedra"
-    reason = f"{GIVEN}in the mesh file of {'; '.join(left_out)}"
-    yield bool(left_out), "mesh files", reason
