@@ -15,7 +15,6 @@ from comparisons.study.run_warnings import Run, merged_warnings
 from comparisons.sweep.points import Points
 from comparisons.sweep.scene import SweptScene
 from comparisons.sweep.spectra import UNSTABLE, Spectra
-from scenes import Result
 
 _NAMED = 100
 """Largest number of uncertified points whose indices are recorded."""
@@ -33,7 +32,7 @@ def record_of(
     solves = {tuple(each["point"].values()): each for basis in bases for each in basis.solves}
     failed = [each for basis in bases for each in basis.failed]
     growths = [each["max_growth"] for each in solves.values()]
-    return _common(scene, spectra, lines, failed, growths) | {
+    return common_record(scene, spectra, lines, failed, growths) | {
         "parameters": [list(each) for each in scene.names],
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
         "vectors": [basis.model.size for basis in bases],
@@ -45,29 +44,17 @@ def record_of(
     }
 
 
-def record_of_full(
-    scene: SweptScene,
-    spectra: Spectra,
-    results: Sequence[Result | None],
-    failed: Sequence[Mapping[str, Any]],
-    why: str,
-) -> dict[str, Any]:
-    """Return the record of a sweep with a full solve at each point; ``why`` states the reason."""
-    growths = [float(each.modes.window.max_growth) for each in results if each is not None]
-    finite = [each for each in growths if np.isfinite(each)]
-    lines = [_between_points(scene.points, spectra, line) for line in scene.points.parts]
-    told = {"why": why, "snapshots": [], "certified": len(growths)}
-    return _common(scene, spectra, lines, failed, finite) | told
-
-
-def _common(
+def common_record(
     scene: SweptScene,
     spectra: Spectra,
     lines: Sequence[FoundAlong],
     failed: Sequence[Mapping[str, Any]],
     growths: Sequence[float | None],
 ) -> dict[str, Any]:
-    """Return the entries common to both records: fields, thresholds, failed solves."""
+    """Return the entries of every record: fields, thresholds, failed solves.
+
+    ``growths`` are growth rates (1/s) up to which full solves are complete; None is infinite.
+    """
     points = scene.points
     above = np.flatnonzero(np.isfinite(spectra.above_growth))
     fields = [
@@ -98,7 +85,7 @@ def _common(
     return told
 
 
-def _between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
+def between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
     """Return thresholds between full solves, by differences of the number of unstable modes."""
     found, unstable = Found(), (spectra.verdict == UNSTABLE).sum(axis=1)
     answered = line[np.isfinite(spectra.worst[line])]

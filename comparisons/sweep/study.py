@@ -22,11 +22,16 @@ from cea.reduced.thresholds import thresholds_along
 from comparisons.study.run_warnings import Run
 from comparisons.sweep.points import Axis, Field, Points
 from comparisons.sweep.probabilities import continued, probabilities
-from comparisons.sweep.record import FoundAlong, record_of, record_of_full, warnings_of
+from comparisons.sweep.record import (
+    FoundAlong,
+    between_points,
+    common_record,
+    record_of,
+    warnings_of,
+)
 from comparisons.sweep.scene import NoMapError, SweptScene, in_full, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
-from scenes import Result
 from scenes.checking.memory import factors_of
 from scenes.results.record import record
 from scenes.running.assembled import AssembledScene
@@ -324,16 +329,20 @@ def _run_in_full(
     scene: SweptScene, why: str, progress: Callable[[str], None]
 ) -> tuple[dict[str, Any], Spectra, list[Run]]:
     """Return the record, modes and warnings of a sweep with a full solve at each point."""
-    points, results, failed = scene.points, list[Result | None](), list[dict[str, Any]]()
-    solves: list[Run] = []
+    points, rows, solves = scene.points, list[dict[str, Any]](), list[Run]()
+    failed, growths = list[dict[str, Any]](), list[float | None]()
     for values in points.values.tolist():
-        at = dict(zip(points.names, values, strict=True))
+        at, result = dict(zip(points.names, values, strict=True)), None
         progress(", ".join(f"{name} = {value:g}" for name, value in at.items()))
         try:
-            results.append(result := scene.run(values))
+            result = scene.run(values)
             solves.append((at, [warning.plain() for warning in result.warnings]))
+            growth = float(result.modes.window.max_growth)
+            growths.append(growth if np.isfinite(growth) else None)
         except ConvergenceError as error:
-            results.append(None)
             failed.append({"point": at, "reason": str(error)})
-    spectra = Spectra.of_rows([row_of_result(each, len(points.names)) for each in results])
-    return record_of_full(scene, spectra, results, failed, why), spectra, solves
+        rows.append(row_of_result(result, len(points.names)))
+    spectra = Spectra.of_rows(rows)
+    lines = [between_points(points, spectra, line) for line in points.parts]
+    told = {"why": why, "snapshots": [], "certified": len(solves)}
+    return common_record(scene, spectra, lines, failed, growths) | told, spectra, solves

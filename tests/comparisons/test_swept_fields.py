@@ -8,9 +8,9 @@ from changed_scenes import scene_of
 from sweep_cases import MU, P, eigenvalues, sweep_of
 
 from cea.errors import ConvergenceError, InputError
+from comparisons.sweep.page import values
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import NoMapError, mapped
-from comparisons.sweep.tables import values
 from scenes import load_scene, run_modes
 from scenes.running.assembled import AssembledScene
 from scenes.running.swept import parameters_meant

@@ -10,9 +10,9 @@ from scipy.sparse import csr_array, save_npz
 from sweep_cases import sweep_of, threshold_numbers
 
 from comparisons.cli.sweep import IN_PART
+from comparisons.sweep.page import headline
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import mapped
-from comparisons.sweep.tables import headline
 from scenes import load_scene
 
 DATA = Path(__file__).parent.parent / "data" / "thresholds"
