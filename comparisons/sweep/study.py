@@ -1,6 +1,7 @@
 """A sweep: modes of a scene at a table of points, by a reduced model or by full solves."""
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -9,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Ints
-from cea.eigen.mumps import NoRoomError
 from cea.errors import ConvergenceError, require
 from cea.petsc import MPI
 from cea.ranks import agreed
@@ -20,7 +20,7 @@ from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import thresholds_along
 from comparisons.study.run_warnings import Run
-from comparisons.sweep.points import Axis, Field, Points
+from comparisons.sweep.points import Axis, Field, Points, as_plain
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import (
     FoundAlong,
@@ -90,7 +90,7 @@ class Asked:
 
     def plain(self) -> dict[str, Any]:
         """Return the options as plain data."""
-        fields = [each.plain() for each in self.fields]
+        fields = list(map(as_plain, self.fields))
         told: dict[str, Any] = {"scene": str(self.scene), "fields": fields}
         told |= {"set": list(self.overrides), "data": self.data, "full": self.full}
         if not self.grid:
@@ -127,20 +127,19 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
             why = str(error)
     if why:
         scene = in_full(*given)
-    store = None
+    store: Store | None = None
+    room: AbstractContextManager[None] = nullcontext()
+    if isinstance(scene.assembled, AssembledScene):
+        room = factors_of(scene.assembled.scene)
     try:
-        if why:
-            data, spectra, solves = _run_in_full(scene, why, progress)
-        else:
-            store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
-            data, spectra = _on_bases(asked, scene, store, progress)
-            data["stored_before"] = store.stored
-            solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
-    except NoRoomError:
-        if not isinstance(scene.assembled, AssembledScene):
-            raise
-        with factors_of(scene.assembled.scene):  # raises it again with the field of a mesh
-            raise
+        with room:
+            if why:
+                data, spectra, solves = _run_in_full(scene, why, progress)
+            else:
+                store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
+                data, spectra = _on_bases(asked, scene, store, progress)
+                data["stored_before"] = store.stored
+                solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
     finally:
         scene.driver.free()
     told = record(
