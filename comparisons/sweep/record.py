@@ -52,33 +52,23 @@ def common_record(
     ``growths`` are growth rates (1/s) up to which full solves are complete; None is infinite.
     """
     points = scene.points
-    above = np.flatnonzero(np.isfinite(spectra.above_growth))
     fields = [
         {"name": name, "ends": list(ends)}
         | ({"values": points.axes[i].tolist()} if points.axes else {"cut": points.cut[i]})
         for i, (name, ends) in enumerate(zip(points.names, points.ends, strict=True))
     ]
-    told: dict[str, Any] = {
+    return {
         "axes" if points.axes else "fields": fields,
         "values": len(points.values),
         "max_frequency": scene.window.max_frequency,
         "growth_threshold": scene.window.growth_threshold,
         "growing_at_first": bool((spectra.growth[0] > spectra.uncertainty[0]).any()),
-        "above": None,
         "failed": failed,
         "complete_to": min((each for each in growths if each is not None), default=None),
         "thresholds": [at | _plain(each) for at, line in lines for each in line.thresholds],
         "unresolved": [at | _plain(each) for at, line in lines for each in line.unresolved],
         "resolution": max((line.resolution for _, line in lines), default=0.0),
     }
-    if len(above):
-        first = int(above[0])
-        told["above"] = {
-            "point": dict(zip(points.names, points.values[first].tolist(), strict=True)),
-            "growth": float(spectra.above_growth[first]),
-            "frequency": float(spectra.above_frequency[first]),
-        }
-    return told
 
 
 def between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
@@ -106,7 +96,11 @@ def _plain(found: Threshold | Unresolved) -> dict[str, Any]:
 
 
 def warnings_of(
-    data: Mapping[str, Any], tolerance: float, solves: Sequence[Run]
+    data: Mapping[str, Any],
+    points: Points,
+    spectra: Spectra,
+    tolerance: float,
+    solves: Sequence[Run],
 ) -> list[dict[str, Any]]:
     """Return the warnings of a sweep and of its full solves."""
     told: list[tuple[str, str]] = []
@@ -129,11 +123,15 @@ def warnings_of(
     if number := len(data["unresolved"]):
         message = f"{number} intervals are unresolved: thresholds may be missing there"
         told.append(("unresolved", message))
-    if above := data["above"]:
-        at = ", ".join(f"{name} = {value:.5g}" for name, value in above["point"].items())
+    above = np.flatnonzero(np.isfinite(spectra.above_growth))
+    if len(above):
+        first = above[0]
+        pairs = zip(points.names, points.values[first], strict=True)
+        at = ", ".join(f"{name} = {value:.5g}" for name, value in pairs)
         message = (
-            f"a mode at {above['frequency']:.6g} Hz has the growth rate {above['growth']:.5g} 1/s "
-            f"at {at}, above max_frequency = {data['max_frequency']:g} Hz; raise max_frequency"
+            f"a mode at {spectra.above_frequency[first]:.6g} Hz has the growth rate "
+            f"{spectra.above_growth[first]:.5g} 1/s at {at}, above max_frequency = "
+            f"{data['max_frequency']:g} Hz; raise max_frequency"
         )
         told.append(("above-window", message))
     for each in data.get("fields", ()):

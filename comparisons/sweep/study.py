@@ -147,7 +147,7 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
         data,
         inputs=asked.plain(),
         seconds=perf_counter() - begun,
-        warnings=warnings_of(data, asked.tolerance, solves),
+        warnings=warnings_of(data, scene.points, spectra, asked.tolerance, solves),
     )
     return Swept(told, scene.points, spectra, store)
 
