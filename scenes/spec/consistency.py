@@ -31,8 +31,6 @@ LARGEST, SMALLEST = 1e30, 1e-30
 and products of a few of them neither overflow nor underflow."""
 MAX_ELEMENTS = 10**6
 """Largest number of elements along one direction."""
-MAX_ITEMS = 200
-"""Largest number of bodies, contacts, loads of a scene, and of supports and springs of a body."""
 _LONGEST = 100
 """Largest number of characters in a name."""
 _PARTING = set(".,[] ")
@@ -94,17 +92,12 @@ def consistent[S: Any](scene: S) -> S:
 
 
 def _limit_checks(faults: Faults, scene: Scene) -> None:
-    """Check the lengths and characters of names, numbers of items and magnitudes of numbers."""
+    """Check the lengths and characters of names and the magnitudes of numbers."""
     need = faults.require
     check_scene_name(faults, scene.name)
-    counts = {name: len(getattr(scene, name)) for name in ("bodies", "contacts", "loads")}
     names = [(kind, name) for kind in ("bodies", "contacts") for name in getattr(scene, kind)]
     for name, body in scene.bodies.items():
-        counts[f"bodies.{name}.supports"] = len(body.supports)
-        counts[f"bodies.{name}.springs"] = len(body.springs)
         names += [(f"bodies.{name}.geometry.faces", each) for each in body.geometry.surfaces]
-    for place, count in counts.items():
-        need(count <= MAX_ITEMS, place, f"{count} of them", f"at most {MAX_ITEMS}")
     allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
     for place, name in names:
         fits = 0 < len(name) <= _LONGEST and name.isprintable() and not set(name) & _PARTING
