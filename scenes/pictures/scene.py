@@ -4,16 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pyvista
-from PIL import Image
 
 from cea.files import write_whole
 from cea.petsc import MPI
 from scenes.checking.check import Inspection, gaps
-from scenes.pictures.drawing import SUBDIVISIONS, aim, bar, png, view_of
+from scenes.pictures.drawing import SUBDIVISIONS, bar, picture, png, view_of
 from scenes.pictures.grids import in_space, merged, outside, sharp_edges
 
-_WINDOW = (1500, 1100)
-"""Width and height (pixels)."""
 _ARROWS = 24
 """Largest number of friction arrows per contact."""
 _LENGTH = 0.04
@@ -39,9 +36,8 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
     surfaces = [outside(merged(each), {}, SUBDIVISIONS) for each in cells]
     points = np.concatenate([surface.points for surface in surfaces])
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    with pyvista.vtk_verbosity("off"):
-        plotter = pyvista.Plotter(off_screen=True, window_size=list(_WINDOW))
-        plotter.set_background("white")
+
+    def add(plotter: pyvista.Plotter) -> None:
         for surface in surfaces:
             plotter.add_mesh(surface, color="#B9C7D6", opacity=0.4, ambient=0.25)
             edges = sharp_edges(surface)
@@ -49,13 +45,10 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
                 plotter.add_mesh(edges, color="#303840", line_width=2)
         _add_surfaces(plotter, inspection, size)
         _add_contacts(plotter, inspection, distances, size)
-        plotter.add_text(inspection.scene.name, font_size=14, color="#222222")
         plotter.add_text(_LEGEND, position="lower_left", font_size=10, color="#222222")
-        aim(plotter.camera, view_of([surface.points for surface in surfaces]), points, _WINDOW)
-        plotter.enable_anti_aliasing("msaa", multi_samples=8)
-        image = Image.fromarray(plotter.screenshot(return_img=True))
-        plotter.close()
-    return write_whole(png(image), Path(file))
+
+    view = view_of([surface.points for surface in surfaces])
+    return write_whole(png(picture(add, inspection.scene.name, view, points)), Path(file))
 
 
 def _add_surfaces(plotter: pyvista.Plotter, inspection: Inspection, size: float) -> None:

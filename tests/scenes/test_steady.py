@@ -14,7 +14,7 @@ from cea.system.steady_newton import Iteration, SteadyNewton
 from cea.system.steady_state import LoadStep, uniqueness_at
 from cea.timing import StageTimer
 from comparisons.stability.scenes import sprag
-from scenes import assemble, load_scene, read_scene, run_modes, run_scene
+from scenes import assemble, read_scene, run_modes, run_scene
 from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.export.paraview import write_load_steps
 
@@ -191,13 +191,3 @@ def test_a_threshold_with_the_state_sought_anew(backend):
     above = growth(followed.value + step)
     assert above > 1e-5
     assert growth(followed.value + 4 * step) == pytest.approx(2 * above, rel=1e-2)
-
-
-def test_growth_of_a_damped_pair_passes_zero_at_its_threshold(backend):
-    """The partner of the mode that begins to grow decays, near by."""
-    assembled = assemble(load_scene("blocks", ["bodies.upper.damping={alpha=0.002}"], backend))
-    found = assembled.threshold("mu", 0.0, 1.0)
-    assert abs(found.eigenvalue.real) < 1e-9
-    for part in (-1e-4, 1e-4):
-        growth = assembled.modes_at({MU: found.value * (1 + part)}).growth_rates.max()
-        assert np.sign(growth) == np.sign(part)
