@@ -9,7 +9,7 @@ from cea.files import write_whole
 from cea.petsc import MPI
 from scenes.checking.check import Inspection, gaps
 from scenes.pictures.drawing import SUBDIVISIONS, bar, picture, png, view_of
-from scenes.pictures.grids import in_space, merged, outside, sharp_edges
+from scenes.pictures.grids import in_space, outside, sharp_edges
 
 _ARROWS = 24
 """Largest number of friction arrows per contact."""
@@ -33,7 +33,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
     distances = {name: gaps(half) for name, half in inspection.halves.items()}
     if MPI.COMM_WORLD.rank > 0:
         return Path(file)
-    surfaces = [outside(merged(each), {}, SUBDIVISIONS) for each in cells]
+    surfaces = [outside(each, {}, SUBDIVISIONS) for each in cells]
     points = np.concatenate([surface.points for surface in surfaces])
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
 
@@ -45,7 +45,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
                 plotter.add_mesh(edges, color="#303840", line_width=2)
         _add_surfaces(plotter, inspection, size)
         _add_contacts(plotter, inspection, distances, size)
-        plotter.add_text(_LEGEND, position="lower_left", font_size=10, color="#222222")
+        plotter.add_text(_LEGEND, position="upper_left", font_size=10, color="#222222")
 
     view = view_of([surface.points for surface in surfaces])
     return write_whole(png(picture(add, inspection.scene.name, view, points)), Path(file))

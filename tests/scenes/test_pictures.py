@@ -16,7 +16,7 @@ from scenes import SceneError, load_scene, read_scene, run_scene
 from scenes.building.build import build_bodies
 from scenes.export.paraview import write_paraview
 from scenes.pictures.drawing import largest_deflection
-from scenes.pictures.grids import merged, outside, sharp_edges
+from scenes.pictures.grids import outside, sharp_edges
 
 GPTS = {"method": "gpts", "points": 3}
 
@@ -82,7 +82,7 @@ MESHES = {
 def test_an_outside_is_closed_has_the_volume_of_the_body_its_fields_and_its_rims(backend):
     """Finely divided it is that of curved elements: an error of triangles remains."""
     scene = load_scene("disc").on(backend).change(f"bodies.disc.mesh.{backend}", MESHES[backend])
-    cells = merged(build_bodies(scene, StageTimer())["disc"].space.volume_cells())
+    cells = build_bodies(scene, StageTimer())["disc"].space.volume_cells()
     coarse, middle, fine = (outside(cells, {"x": cells.points}, n) for n in (0, 2, 3))
     for surface in (coarse, fine):
         assert surface.is_manifold
