@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.files import check_writable, write_whole
 from cea.petsc import MPI
 from cea.ranks import made_on_first
@@ -30,8 +30,6 @@ from scenes.spec.contact import ContactSpec
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
 
-MAX_MODES = 10_000
-"""Largest number of modes that a deck may request."""
 _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
 """Names that CalculiX accepts unchanged; it ignores case."""
 _LABELS = "a letter, then at most 29 letters, digits, _ or -,"
@@ -48,8 +46,7 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
     name of the scene with characters other than letters, digits, _ and - replaced by _. Raises a
     SceneError that names all fields that a deck cannot represent.
     """
-    if not 1 <= modes <= MAX_MODES:
-        raise InputError("modes", modes, f"1 to {MAX_MODES}")
+    require(modes >= 1, "modes", modes, "1 or more")
     faults = [
         InputError(field, value, f"{allowed} for a deck")
         for field, value, wrong, allowed in _claims(scene)
