@@ -1,6 +1,6 @@
 """Checks of a scene that involve more than one field, after each field is valid by itself."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from math import inf
 from typing import Any
@@ -167,8 +167,12 @@ def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotat
     if any(each.field.startswith(f"{place}.") for each in faults):
         return
     axis, here = body.placement.rotation[:, 2], body.placement.translation
-    parallel, on_axis = _are_parallel(axis, rotation.axis), _is_on_axis(body, rotation.origin)
-    faults.require(parallel, f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
+    given = of_size_one(rotation.axis)
+    parallel = bool(np.linalg.norm(np.cross(axis, given)) <= _ASIDE * np.linalg.norm(given))
+    allowed = f"along {axis.tolist()}"
+    faults.require(parallel, f"{place}.rotation.axis", rotation.axis, allowed)
+    arm = np.cross(axis, np.array([*rotation.origin, 0.0])[:3] - here)
+    on_axis = bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])
     allowed = f"a point on the axis of the body, e.g. {list(here)}"
     faults.require(on_axis, f"{place}.rotation.origin", rotation.origin, allowed)
     law, strains = body.material.elasticity, np.square(np.arange(1.0, dim**2 + 1))
@@ -207,18 +211,6 @@ def _turns(tensor: _Tensor, rotation: Rotation, dim: int) -> bool:
     return bool(np.abs(here - there).max() <= _ASIDE * np.abs(here).max())
 
 
-def _are_parallel(one: Iterable[float], other: Iterable[float]) -> bool:
-    first, second = (of_size_one(tuple(each)) for each in (one, other))
-    sine = np.linalg.norm(np.cross(first, second)) / np.linalg.norm(first) / np.linalg.norm(second)
-    return bool(sine <= _ASIDE)
-
-
-def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
-    x = np.array([*point, 0.0])[:3]
-    arm = np.cross(body.placement.rotation[:, 2], x - body.placement.translation)
-    return bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])
-
-
 def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     """Check cells, numbers and sizes of elements against the shape."""
     shape, fe, iga, degree = body.geometry, body.mesh.fe, body.mesh.iga, body.mesh.degree
@@ -235,8 +227,14 @@ def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
         allowed = f"{most / MAX_ELEMENTS:.3g} to {most:.3g} (m), the length of the body"
         need(most / MAX_ELEMENTS <= fe.size <= most, f"{place}.fe.size", fe.size, allowed)
     if isinstance(shape, VentilatedDisc):
-        if fe is not None:
-            _unstructured_checks(faults, f"{place}.fe", fe)
+        if fe is not None:  # unstructured
+            tetrahedra, curved = fe.cell == "tetrahedron", fe.geometry_degree or fe.degree
+            need(tetrahedra, f"{place}.fe.cell", fe.cell, "tetrahedron for this shape")
+            sized, allowed = fe.size is not None, "left out for this shape: give size"
+            need(sized or not tetrahedra, f"{place}.fe.elements", fe.elements, allowed)
+            allowed = f"1 to {MAX_CURVED} for this shape, independent of the degree of the elements"
+            at = f"{place}.fe.geometry_degree"
+            need(curved <= MAX_CURVED, at, fe.geometry_degree, allowed)
         return
     lists: dict[str, tuple[int, ...] | None] = {}
     if fe is not None:
@@ -251,16 +249,6 @@ def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     for name, one in (("fe", fe), ("iga", iga)):
         if one is not None and one.elements is not None and len(one.elements) == body.dim:
             _elements_checks(faults, f"{place}.{name}", body, one)
-
-
-def _unstructured_checks(faults: Faults, place: str, fe: FeMesh) -> None:
-    tetrahedra = fe.cell == "tetrahedron"
-    faults.require(tetrahedra, f"{place}.cell", fe.cell, "tetrahedron for this shape")
-    sized = not tetrahedra or fe.size is not None
-    faults.require(sized, f"{place}.elements", fe.elements, "left out for this shape: give size")
-    straight = (fe.geometry_degree or fe.degree) <= MAX_CURVED
-    allowed = f"1 to {MAX_CURVED} for this shape, independent of the degree of the elements"
-    faults.require(straight, f"{place}.geometry_degree", fe.geometry_degree, allowed)
 
 
 def _elements_checks(faults: Faults, place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> None:
