@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 import numpy as np
@@ -149,7 +150,7 @@ class Spring:
     stiffness: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        valid = all(value >= 0 for value in self.stiffness)
+        valid = all(0 <= value < inf for value in self.stiffness)
         require(valid, "spring.stiffness", self.stiffness, "finite and not negative (N/m^3)")
 
     def check(self, dim: int, field: str) -> None:
