@@ -17,7 +17,7 @@ from random_pencils import (
     random_quadratic,
     sheared,
 )
-from random_runs import judged, pencil_outcome
+from random_runs import outcome
 
 from cea.eigen import driver
 from cea.eigen.block_products import times
@@ -36,8 +36,9 @@ PENCILS = {
 
 def check(kind, seeds, refused=0.0):
     """Nothing is wrong, little but of graded pencils is refused or left open."""
-    outcomes = judged(seeds, lambda seed: pencil_outcome(PENCILS[kind](seed)))
-    assert sum(outcome.modes for outcome in outcomes) > len(seeds)
+    outcomes = [outcome(PENCILS[kind](seed)) for seed in seeds]
+    assert [(each.name, fault) for each in outcomes for fault in each.faults[:1]] == []
+    assert sum(each.modes for each in outcomes) > len(seeds)
     graded = kind.startswith("graded")
     assert graded or sum(bool(o.refused) for o in outcomes) <= refused * len(outcomes)
     known = [o for o in outcomes if o.refused is None and o.complete and not o.undecided]

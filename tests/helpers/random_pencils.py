@@ -8,7 +8,7 @@ before.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from dense_reference import dense_linear, dense_quadratic
+from petsc_matrices import linear_with_errors, quadratic_with_errors
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
@@ -56,15 +56,15 @@ class RandomPencil:
         return Pencil([*made.terms, friction])
 
     def dense(self):
-        """All eigenvalues kappa of an undamped one, or lambda and their errors of a damped one."""
+        """All eigenvalues kappa, or lambda of a damped one, and what rounding moves each by."""
         D, end = self.damping, 2 * np.pi * self.max_frequency
         if self.low_rank is not None:
             W, d = self.low_rank
             D = (W * d) @ W.T + (0 if D is None else D)
         if D is None:
             friction = 0.0 if self.friction is None else self.friction
-            return dense_linear(self.mass, self.stiffness - friction)
-        return dense_quadratic(self.mass, D, self.stiffness, end)
+            return linear_with_errors(self.mass, self.stiffness - friction)
+        return quadratic_with_errors(self.mass, D, self.stiffness, end)
 
 
 def pencil_of(mass, damping, stiffness, low_rank=None, *, graded=False) -> Pencil:
