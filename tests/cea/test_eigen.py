@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from petsc_matrices import to_petsc
+from petsc_matrices import sliding_pencil, to_petsc
 from scipy.sparse import csr_array, diags_array, eye_array, random_array
 
 from cea.eigen.driver import EigenSolver, solve_modes
@@ -15,9 +15,11 @@ from cea.errors import ConvergenceError, InputError
 SIZE = 120
 
 
-def pencil(*matrices):
-    """Pencil of the stiffness, the mass and, with a third, friction."""
-    return Pencil.of(*(to_petsc(matrix) for matrix in matrices))
+def pencil(stiffness, mass, friction=None):
+    """Pencil of matrices, with friction or without."""
+    if friction is None:
+        return Pencil.of(to_petsc(stiffness), to_petsc(mass))
+    return sliding_pencil(stiffness, mass, friction)
 
 
 @pytest.fixture

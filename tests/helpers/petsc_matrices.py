@@ -4,6 +4,8 @@ import numpy as np
 from scipy.linalg import cholesky, eig, eigvals, solve_triangular
 from scipy.sparse import csr_array
 
+from cea.eigen.coefficients import Coefficient, Parameter
+from cea.eigen.pencil import Pencil, Term
 from cea.matrices import distributed
 from cea.petsc import PETSc
 
@@ -22,6 +24,21 @@ def to_scipy(matrix):
 def to_numpy(matrix):
     """Dense array of a PETSc AIJ matrix on one rank."""
     return np.asarray(to_scipy(matrix).toarray())
+
+
+FRICTION = "friction"
+"""Factor on the friction matrix of :func:`sliding_pencil`."""
+
+
+def sliding_pencil(stiffness, mass, friction):
+    """Pencil lambda^2 M + K - s F of arrays, K symmetric, s the factor of friction."""
+    factor = Coefficient({FRICTION: (1.0, 1.0)}, factor=-1.0)
+    terms = [
+        Term("stiffness", to_petsc(stiffness)),
+        Term("mass", to_petsc(mass)),
+        Term("stiffness", to_petsc(friction), factor, symmetric=False),
+    ]
+    return Pencil(terms, [Parameter(FRICTION, 1.0)])
 
 
 def dense_pencil(matrices):
