@@ -20,8 +20,8 @@ _REFUSED = 0.08
 """Part of the scenes that may be refused: random ones ask for what cannot be had."""
 
 
-_ROUNDING = 2e-14
-"""Rounding of the dense reference relative to its 24th lowest kappa, which sets its shift."""
+_ROUNDING = 3e-13
+"""Rounding of matrices and of the dense reference, relative to its 24th lowest kappa."""
 _RIGID = 2e-4
 """Part of the kappa of the window to which errors of lower modes are relative."""
 
