@@ -4,8 +4,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-from eigen_numbers import graded
-from mpi import on_ranks
 from petsc_matrices import to_petsc
 from random_pencils import (
     POWERS,
@@ -107,18 +105,6 @@ def test_eigenvectors_are_those_of_the_unknowns_as_given(name):
     assert np.einsum("ij,ij->j", x.conj(), M @ x).real == pytest.approx(np.ones(len(modes)))
     overlap, size = y.conj().T @ (M @ x), np.abs(y).T @ (np.abs(M) @ np.abs(x))
     assert (np.abs(overlap - np.eye(len(modes))) <= 1e-9 * size).all()
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("seed", "damped"), [(5, False), (3, True)])
-def test_ranks_agree(ranks, seed, damped):
-    alone = graded(seed, damped)
-    several = on_ranks(ranks, graded, seed, damped)
-    assert len(alone["im"]) > 1
-    assert several["verdicts"] == alone["verdicts"]
-    for part in ("re", "im"):
-        assert several[part] == pytest.approx(alone[part], rel=1e-8, abs=1e-10)
 
 
 @pytest.mark.parametrize("order", ["F", "C"])

@@ -210,6 +210,23 @@ def test_the_sign_of_the_determinant_counts_real_eigenvalues():
     assert [Shifted(matrices, shift).parity() for shift in shifts] == [0, 1, 0, 1]
 
 
+def test_signs_of_determinants_know_damping_of_low_rank():
+    """Negative stiffness: some shifts have an odd number of real eigenvalues beyond them."""
+    rng = np.random.default_rng(4)
+    stiffness = np.diag([-2.0, -1.0, 3.0, 4.0]) + 0.1 * rng.standard_normal((4, 4))
+    piece = rng.standard_normal((4, 3)), np.array([1.0, 5.0, 0.3])
+    matrices = pencil_of(np.eye(4), None, stiffness, piece).at()
+    M, C, K = dense_pencil(matrices)
+    found = []
+    for shift in np.linspace(0.05, 2.0, 12):
+        factors = Shifted.quadratic(matrices, float(shift))
+        sign = np.sign(np.linalg.det(shift**2 * M + shift * C + K))
+        assert factors.parity() == int(sign < 0)
+        found.append(factors.parity())
+        factors.free()
+    assert set(found) == {0, 1}
+
+
 def test_verdicts_leave_open_what_errors_do():
     blocks = [*band(40, low=1.1), np.array([[0.5, 1.0], [-1e-18, 0.5]])]  # a pair that coalesces
     modes = solve_modes(pencil_with(blocks), HERTZ)
