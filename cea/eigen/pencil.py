@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Floats
 from cea.eigen.block_products import times, transposed_times
-from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
+from cea.eigen.coefficients import CONSTANT, Dependence, Parameter
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers, with_unformed
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm, Unknowns, low_rank_sum
 from cea.errors import InputError
@@ -29,9 +29,6 @@ from cea.petsc import Mat
 Role = Literal["mass", "damping", "stiffness"]
 POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
 """Power of lambda of each role."""
-
-FRICTION = "friction"
-"""Name of the factor on the friction matrix in :meth:`Pencil.of`."""
 
 
 @dataclass(frozen=True)
@@ -151,19 +148,12 @@ class Pencil:
             raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
 
     @classmethod
-    def of(cls, stiffness: Mat, mass: Mat | None = None, friction: Mat | None = None) -> "Pencil":
-        """Return the pencil lambda^2 M + S - s F of PETSc AIJ matrices, s the factor ``friction``.
+    def of(cls, stiffness: Mat, mass: Mat | None = None) -> "Pencil":
+        """Return the pencil lambda^2 M + K of PETSc AIJ matrices, K symmetric, M positive definite.
 
-        S is symmetric (N/m), M symmetric positive definite (kg), F of any kind (N/m).
+        K is in N/m, M in kg.
         """
-        terms = [Term("stiffness", stiffness)]
-        if mass is not None:
-            terms.append(Term("mass", mass))
-        if friction is None:
-            return cls(terms)
-        coefficient = Coefficient({FRICTION: (1.0, 1.0)}, factor=-1.0)
-        terms.append(Term("stiffness", friction, coefficient, symmetric=False))
-        return cls(terms, [Parameter(FRICTION, 1.0)])
+        return cls([Term("stiffness", stiffness), *([Term("mass", mass)] if mass else [])])
 
     def at_rest(self) -> "Pencil":
         """Return the pencil of the stiffness alone, for static equilibria."""

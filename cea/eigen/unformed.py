@@ -35,37 +35,26 @@ class UnformedTerm[Piece]:
 
 @dataclass(frozen=True)
 class LowRank:
-    """W diag(d) W^T, d >= 0 of shape (r,), on some of the displacements.
-
-    ``vectors`` are the nonzero rows of W on this rank, which start at the row ``first``.
-    """
+    """W diag(d) W^T, d >= 0 of shape (r,); ``vectors`` are the rows of W on this rank."""
 
     vectors: Floats
     weights: Floats
-    first: int = 0
-
-    @property
-    def rows(self) -> slice:
-        """Nonzero rows among the displacements of this rank."""
-        return slice(self.first, self.first + len(self.vectors))
 
     def times(self, x: NDArray[Any], comm: Any) -> NDArray[Any]:
         """Return W diag(d) W^T times a block of vectors, the rows of this rank."""
 
         def product(part: Floats) -> Floats:
-            image = np.zeros_like(part)
-            inner = comm.tompi4py().allreduce(self.vectors.T @ part[self.rows])
-            image[self.rows] = self.vectors @ (self.weights[:, None] * inner)
-            return image
+            inner = comm.tompi4py().allreduce(self.vectors.T @ part)
+            return np.asfortranarray(self.vectors @ (self.weights[:, None] * inner))
 
         return by_parts(product, x)
 
     def sizes(self, x: Floats, comm: Any) -> Floats:
         """Return abs(W) diag(d) abs(W)^T x, for estimates of rounding."""
-        return LowRank(np.abs(self.vectors), self.weights, self.first).times(x, comm)
+        return LowRank(np.abs(self.vectors), self.weights).times(x, comm)
 
     def unknowns(self, factor: float, comm: Any) -> Unknowns:
-        """Return the unknowns of a factor times this term; W must have all rows of this rank."""
+        """Return the unknowns of a factor times this term."""
         columns: Any = (PETSc.DECIDE, self.vectors.shape[1])
         root = self.vectors * np.sqrt(factor * self.weights)
         left = distributed(csr_array(root), columns, comm)
@@ -82,8 +71,7 @@ def low_rank_sum(parts: Sequence[tuple[float, LowRank]], rows: int) -> LowRank |
     columns = []
     for factor, piece in parts:
         own = factor * piece.weights > 0
-        columns.append(np.zeros((rows, int(own.sum()))))
-        columns[-1][piece.rows] = piece.vectors[:, own] * np.sqrt(factor * piece.weights[own])
+        columns.append(piece.vectors[:, own] * np.sqrt(factor * piece.weights[own]))
     root = np.asfortranarray(np.hstack([np.zeros((rows, 0)), *columns]))
     return LowRank(root, np.ones(root.shape[1])) if root.shape[1] else None
 

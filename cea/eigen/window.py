@@ -28,28 +28,20 @@ from cea.eigen.shifted import count_below
 from cea.eigen.spectrum import Window
 from cea.errors import ConvergenceError
 
-_DEPTH, _DEEP = 0.15, 3.0
+_DEPTH, _DEEP = 0.15, 2.4
 """Depth X of the first covering disc relative to omega^2: where the field of values shows that no
-eigenvalue lies beyond, and where it does not, for growth rates up to 1.7 omega."""
+eigenvalue lies beyond, and where it does not, for growth rates up to 1.5 omega."""
 _FARTHER = 8.0
 """Factor on the depth, or on a real shift, from one disc to the next."""
-_REACHED = 0.8
-"""Fraction of the depth of a disc that counts as covered where eigenvalues may lie beyond."""
 _AROUND = 1.5
 """Largest radius of a disc about the middle that covers the cone, relative to that of the window
 alone."""
 _DECAY = 0.1
-"""Default decay rate d of a damped window relative to omega."""
-_LEAST_SHIFT, _FARTHEST_SHIFT = 0.1, 0.5
-"""First real shift relative to omega: its least value, which keeps it away from eigenvalues of
-small growth rate, and the largest one for which a single disc is to hold every growing mode."""
+"""Default decay rate d of a damped window relative to omega, and least first shift, which keeps it
+as far from eigenvalues of small growth rate."""
 _CROWDED, _FEW = 4, 100
 """Largest number of eigenvalues in a disc: a multiple of the number of undamped modes in the
 window, and a constant added to it."""
-_AWAY, _SLIM = 4.0, 2.0
-"""Factor on a real shift whose disc holds too many eigenvalues, and on the inverse of a default
-decay rate, which is reduced too from the second number times omega on: such a disc extends little
-beyond the decay rate."""
 
 
 type Plan = Iterator[tuple[float, float]]
@@ -108,10 +100,9 @@ def _undamped(search: Search) -> Plan:
                 bounded = field_of_values(matrices, reached) is not None
         if _is_done(search, bounded=bounded):
             return
-        known = bound < np.inf or search.counted is not None
-        left, centre = depth if known else _REACHED * depth, touching_disc(top, depth)
-        yield centre, distance_within(top, centre, -left, -reached)
-        reached, depth = left, _FARTHER * depth
+        centre = touching_disc(top, depth)
+        yield centre, distance_within(top, centre, -depth, -reached)
+        reached, depth = depth, _FARTHER * depth
 
 
 def _damped(search: Search, asked: float | None) -> Plan:
@@ -143,13 +134,14 @@ def _radius(end: float, centre: float, left: float) -> float:
 def _not_crowded(search: Search, largest: float, asked: float | None) -> Plan:
     """Yield the first disc, about shifts farther to the right until it holds few enough modes.
 
-    Overdamped modes may cluster at one decay rate. A disc about a shift farther to the right
-    extends less beyond the decay requested; where that does not suffice a default decay is reduced.
+    Overdamped modes may cluster at one decay rate. A disc about a shift 1 / SHIFT times farther to
+    the right extends less beyond the decay requested. Where such a shift, beyond the first ones for
+    which a single disc is to hold every growing mode, does not suffice, a default decay is reduced.
     """
     end = search.end
     search.decay = _DECAY * end if asked is None else asked
-    centre = max(_LEAST_SHIFT * end, 0.5 * (largest - search.decay))
-    centre = centre if centre <= _FARTHEST_SHIFT * end else SHIFT * end
+    centre, farthest = max(_DECAY * end, 0.5 * (largest - search.decay)), 2 * SHIFT * end
+    centre = centre if centre <= farthest else SHIFT * end
     if search.matrices.size > search.options.dense_limit:  # else any number is affordable
         with search.factorising():
             search.most = _CROWDED * count_below(search.matrices, end**2) + _FEW
@@ -159,9 +151,9 @@ def _not_crowded(search: Search, largest: float, asked: float | None) -> Plan:
             search.most = sys.maxsize
             return
         search.free()  # operators depend on the decay
-        if centre >= _SLIM * end and asked is None:
-            search.decay /= _AWAY
-        centre *= _AWAY
+        if SHIFT * centre >= farthest and asked is None:
+            search.decay *= SHIFT
+        centre /= SHIFT
     raise ConvergenceError(
         f"{search.crowded}: modes cluster near or above the growth rate {-search.decay:.4g} 1/s; "
         "raise min_growth to exclude them"

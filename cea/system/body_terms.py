@@ -81,8 +81,9 @@ class BodyTerms:
         if self.motion.modal is None or not self.with_mass:
             return ()
         modes = self._damped_modes
-        piece = LowRank(modes.images, modes.weights, self.rows.start)
-        return (UnformedTerm(piece, self._modal_ratio),)
+        images = np.zeros((sum(local for local, _ in self.sizes), len(modes.weights)))
+        images[self.rows] = modes.images
+        return (UnformedTerm(LowRank(images, modes.weights), self._modal_ratio),)
 
     @cached_property
     def _constants(self) -> Mapping[str, float]:

@@ -213,18 +213,6 @@ def test_a_bonded_joint_closes_no_gap_under_common_rigid_motion(backend):
     assert np.abs(gather(product(system.contacts[0].gap, x))).max() <= 1e-12
 
 
-def test_surfaces_that_do_not_meet_or_look_away_are_refused(backend, formulation):
-    data = two_blocks(backend, formulation)
-    data["bodies"]["upper"]["placement"] = {"translation": [0.0, 0.0, 2.0]}
-    with pytest.raises(InputError, match=r"contacts.interface = .*no opposite point on side b"):
-        assemble(data)
-    data = two_blocks(backend, formulation, b="lower.z_min")
-    for body in data["bodies"].values():
-        body["geometry"]["origin"][2] = 0.1
-    with pytest.raises(InputError, match="face each other"):
-        assemble(data)
-
-
 def test_overhang_is_allowed_up_to_the_stated_fraction(backend):
     data = two_blocks(backend, {"method": "gpts", "points": 3})
     data["bodies"]["upper"]["geometry"]["origin"][0] = 0.75

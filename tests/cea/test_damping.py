@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import alone, assemble, scene_body, two_blocks
-from petsc_matrices import to_numpy
+from blocks import alone, assemble, scene_body
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.matching import assign
@@ -11,7 +10,6 @@ from cea.errors import InputError
 from cea.motion import ModalDamping, RayleighDamping
 
 TOP = 1.2
-RAYLEIGH = {"alpha": 0.3, "beta": 0.07}
 KINDS = {
     "one ratio": {"ratio": 0.02, "max_frequency": 0.95},
     "a table": {"ratios": [0.0, 0.3, 0.999], "frequencies": [0.3, 0.6, 0.9]},
@@ -36,25 +34,6 @@ def test_ratios_are_met_at_their_frequencies(frequencies):
     omega = 2 * np.pi * np.array(frequencies)
     found = damping.alpha / (2 * omega) + damping.beta * omega / 2
     assert found == pytest.approx(ratios, rel=1e-14)
-
-
-def test_the_damping_matrix_is_that_of_the_body(backend):
-    data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True)
-    springs = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
-    data["bodies"]["upper"] |= {"damping": RAYLEIGH, "springs": springs}
-    damped = assemble(data)
-    matrices, upper = damped.pencil().at(), damped.bodies["upper"]
-    own = RAYLEIGH["alpha"] * to_numpy(upper.mass()) + RAYLEIGH["beta"] * to_numpy(
-        upper.stiffness()
-    )
-    found = to_numpy(matrices.damping)
-    expected = np.zeros_like(found)
-    expected[: len(own), : len(own)] = own
-    difference = np.abs(found - expected)
-    assert (difference <= np.maximum(1e-14 * np.abs(expected), 1e-16)).all()
-    assert (found == found.T).all()
-    assert matrices.gyroscopic is None
-    assert matrices.quadratic
 
 
 def expected_ratios(kind, frequencies):

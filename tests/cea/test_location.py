@@ -1,157 +1,89 @@
-"""Point location on surfaces known in closed form."""
+"""Point location on flat surfaces of both backends: what is met, what is missed, shared edges."""
+
+from functools import cache
 
 import numpy as np
 import pytest
+from bodies import PLASTIC, nurbs_body, shape_body
 
-from cea.location import TOLERANCE, Chart
-from cea.surface_points import Status, SurfaceCells
+from cea.location import TOLERANCE
+from cea.surface_points import Status
+from meshes.breaks import breaks_of
+from meshes.nurbs_shapes import nurbs_shape
+from meshes.shapes import Box
 
-
-class Grid(Chart):
-    """nx x ny elements over the parameters u, v of a surface in closed form."""
-
-    def __init__(self, low, high, shape):
-        self.low, self.shape = np.array(low), shape
-        self.step = (np.array(high) - low) / shape  # size of an element in parameters
-
-    @property
-    def count(self):
-        """Number of elements."""
-        return int(np.prod(self.shape))
-
-    @property
-    def domains(self):
-        """Unit squares."""
-        return np.zeros((self.count, 2)), np.ones((self.count, 2))
-
-    def cells(self):
-        """The elements."""
-        outline = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-        return SurfaceCells(np.arange(self.count), np.tile(outline, (self.count, 1, 1)), 2, True)
-
-    def parameters(self, element, xi):
-        """Parameters of points in elements."""
-        cell = np.stack(np.unravel_index(element, self.shape), axis=1)
-        return self.low + (cell + xi) * self.step
-
-    def tangents(self, element, xi):
-        """Positions and derivatives along xi."""
-        x, derivatives = self.surface(*self.parameters(element, xi).T)
-        return x, derivatives * self.step
-
-    def size(self, element):
-        """Largest side of an element."""
-        return np.full(len(element), self.step.max() * self.radius)
+SHAPE = np.array([9, 7])
+"""Elements of the surface z = 0, which are squares."""
+STEP = 0.3
+UP = np.array([0.0, 0.0, 1.0])
 
 
-class Plane(Grid):
-    """z = 0."""
-
-    radius = 1.0
-
-    def surface(self, u, v):
-        """Positions and derivatives along the parameters."""
-        x = np.stack([u, v, np.zeros_like(u)], axis=1)
-        return x, np.tile(np.eye(3)[:, :2], (len(u), 1, 1))
-
-
-class Cylinder(Grid):
-    """Angle u and height v on a cylinder of radius 2 about the z axis."""
-
-    radius = 2.0
-
-    def surface(self, u, v):
-        """Positions and derivatives along the parameters."""
-        zero, up = np.zeros_like(u), np.tile([0.0, 0.0, 1.0], (len(u), 1))
-        radial = np.stack([np.cos(u), np.sin(u), zero], axis=1)
-        around = np.stack([-np.sin(u), np.cos(u), zero], axis=1)
-        return self.radius * radial + v[:, None] * up, np.stack([self.radius * around, up], axis=2)
+@cache
+def plane(cell):
+    """The surface, and the numbers of its elements by their place."""
+    plate = Box((*(STEP * SHAPE), 0.2), (0.0, 0.0, -0.2))
+    surface = shape_body(plate, cell, 2, (*SHAPE.tolist(), 1)).surfaces["z_max"]
+    middles = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in SHAPE), indexing="ij"), axis=-1)
+    element = located(surface, middles.reshape(-1, 2), np.zeros(SHAPE.prod())).at.element
+    return surface, element.reshape(SHAPE)
 
 
-class Floors(Plane):
-    """Two planes: the upper half of the elements lies below the other, one above the other."""
-
-    depth = 0.05
-
-    @property
-    def count(self):
-        """Elements of both floors."""
-        return 2 * super().count
-
-    def tangents(self, element, xi):
-        """Positions and derivatives, those of the lower floor farther down."""
-        upper = super().count
-        x, derivatives = super().tangents(element % upper, xi)
-        x[:, 2] -= np.where(element < upper, 0.0, self.depth)
-        return x, derivatives
+def located(surface, place, distance):
+    """Points at distances above places on the surface."""
+    x = np.column_stack([STEP * place, -distance])
+    return surface.locate(x, np.tile(UP, (len(x), 1)), reach=0.06)
 
 
-PLANE = (-1.0, 0.5), (2.0, 2.5), (9, 7)
-EACH = pytest.mark.parametrize(
-    "chart",
-    [Plane(*PLANE), Cylinder((-1.2, -0.4), (1.3, 0.9), (8, 5))],
-    ids=lambda chart: type(chart).__name__,
-)
-
-
-def lifted(chart, rng, place):
-    """Points off the places on a chart, normals there, signed distances."""
-    x, tangents = chart.surface(*(chart.low + place * chart.step).T)
-    normal = np.cross(tangents[:, :, 0], tangents[:, :, 1])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    distance = rng.uniform(-0.05, 0.05, len(x))
-    return x - distance[:, None] * normal, normal, distance
-
-
-@EACH
-def test_points_along_normals(chart):
+@pytest.mark.parametrize("cell", [None, "hexahedron"], ids=["iga", "fe"])
+def test_points_along_normals(cell):
+    surface, numbers = plane(cell)
     rng = np.random.default_rng(4)
-    place = rng.uniform(-0.8, np.add(chart.shape, 0.8), (10_000, 2))
-    x, normal, distance = lifted(chart, rng, place)
-    found = chart.locate(x, normal, reach=0.06)
-    outside = ((place < 0) | (place > chart.shape)).any(axis=1)
+    place = rng.uniform(-0.8, SHAPE + 0.8, (10_000, 2))
+    distance = rng.uniform(-0.05, 0.05, len(place))
+    found = located(surface, place, distance)
+    outside = ((place < 0) | (place > SHAPE)).any(axis=1)
     assert 0.1 < outside.mean() < 0.6
     np.testing.assert_array_equal(found.status == Status.MISSED, outside)
     hit = ~outside
     assert (found.status[hit] == Status.INSIDE).all()
-    cell, element = np.floor(place[hit]).astype(int), found.at.element[hit]
-    np.testing.assert_array_equal(element, np.ravel_multi_index(cell.T, chart.shape))
-    parameters = chart.parameters(element, found.at.xi[hit])
-    np.testing.assert_allclose(parameters, chart.low + place[hit] * chart.step, atol=1e-9)
+    np.testing.assert_array_equal(found.at.element[hit], numbers[*place[hit].astype(int).T])
+    met = surface.position(found.at[hit])
+    np.testing.assert_allclose(met[:, :2], STEP * place[hit], atol=1e-9)
     np.testing.assert_allclose(found.distance[hit], distance[hit], atol=1e-9)
-    assert (found.miss[hit] <= TOLERANCE * chart.size(element)).all()
-    assert (found.miss[outside] > TOLERANCE * chart.step.max() * chart.radius).all()
-    if isinstance(chart, Plane):
-        beyond = (place - np.clip(place, 0, chart.shape)) * chart.step
-        near = outside & np.isfinite(found.miss)
-        expected = np.linalg.norm(beyond[near], axis=1)
-        np.testing.assert_allclose(found.miss[near], expected, atol=1e-9)
+    assert (found.miss[hit] <= TOLERANCE * STEP).all()
+    beyond = STEP * (place - np.clip(place, 0, SHAPE))
+    near = outside & np.isfinite(found.miss)
+    np.testing.assert_allclose(found.miss[near], np.linalg.norm(beyond[near], axis=1), atol=1e-9)
 
 
-@EACH
-def test_shared_edges_and_corners_go_to_the_lowest_element(chart):
+def test_shared_edges_and_corners_go_to_the_lowest_element():
     """Whatever the order of points, and with rounding either way."""
+    surface, numbers = plane("hexahedron")
     rng = np.random.default_rng(6)
-    lines = rng.integers(1, np.array(chart.shape), (3000, 2))
+    lines = rng.integers(1, SHAPE, (3000, 2))
     on_line = np.repeat([[True, False], [False, True], [True, True]], 1000, axis=0)
     place = np.where(on_line, lines, lines + rng.uniform(0.1, 0.9, (3000, 2)))
-    x, normal, distance = lifted(chart, rng, place)
-    found = chart.locate(x, normal, reach=0.06)
+    distance = rng.uniform(-0.05, 0.05, len(place))
+    found = located(surface, place, distance)
     assert (found.status == Status.EDGE).all()
-    cell = np.where(on_line, lines - 1, lines)
-    np.testing.assert_array_equal(found.at.element, np.ravel_multi_index(cell.T, chart.shape))
+    sharing = [numbers[*(lines - on_line * [i, j]).T] for i in (0, 1) for j in (0, 1)]
+    np.testing.assert_array_equal(found.at.element, np.min(sharing, axis=0))
     np.testing.assert_allclose(found.distance, distance, atol=1e-9)
     order = rng.permutation(3000)
-    again = chart.locate(x[order], normal[order], reach=0.06)
+    again = located(surface, place[order], distance[order])
     np.testing.assert_array_equal(again.at.element, found.at.element[order])
 
 
 @pytest.mark.parametrize("height", [0.001, 0.02, -0.02, -0.03, -0.049, -0.06])
-def test_the_nearer_of_two_floors_is_met(height):
+def test_the_nearer_side_of_a_plate_is_met(height):
     """Whether it lies close by, or as far as both are looked for."""
+    plate = Box((2.7, 2.1, 0.05), (0.0, 0.0, -0.05))
+    patches, faces = nurbs_shape(plate, breaks_of(plate, (9, 7, 1))).patches, [(0, 2, 0), (0, 2, 1)]
+    body = nurbs_body("plate", patches, {"both": faces}, (2, 2, 2), material=PLASTIC)
+    surface = body.surfaces["both"]
     x = np.full((500, 3), height)
-    x[:, :2] = np.random.default_rng(3).uniform((-0.9, 0.6), (1.9, 2.4), (500, 2))
-    found = Floors(*PLANE).locate(x, np.tile([0.0, 0.0, 1.0], (500, 1)), reach=0.2)
+    x[:, :2] = np.random.default_rng(3).uniform((0.1, 0.1), (2.6, 2.0), (500, 2))
+    found = surface.locate(x, np.tile(UP, (500, 1)), reach=0.2)
     assert not found.missed.any()
-    nearest = min((-height, -Floors.depth - height), key=abs)
+    nearest = min((-height, -0.05 - height), key=abs)
     np.testing.assert_allclose(found.distance, nearest, atol=1e-12)

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from blocks import assemble, two_blocks
 from covering import covering
-from petsc_matrices import dense_pencil, to_numpy, to_petsc
+from petsc_matrices import FRICTION, dense_pencil, sliding_pencil, to_numpy, to_petsc
 
-from cea.eigen.coefficients import Coefficient, Parameter
-from cea.eigen.driver import EigenSolver
-from cea.eigen.pencil import FRICTION, Pencil, Term
+from cea.eigen.coefficients import Coefficient
+from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
 from scenes.spec.plain import set_fields
 
@@ -105,25 +104,6 @@ def test_a_coefficient_must_name_parameters_that_are_there():
 
 def test_given_matrices_have_one_parameter():
     stiffness, friction = np.diag([2.0, 3.0]), np.array([[0.0, 1.0], [-1.0, 0.0]])
-    pencil = Pencil.of(*map(to_petsc, (stiffness, np.eye(2), friction)))
+    pencil = sliding_pencil(stiffness, np.eye(2), friction)
     operator = to_numpy(pencil.at({FRICTION: 0.5}).operator(1.0))
     assert (operator == stiffness - 0.5 * friction - np.eye(2)).all()
-
-
-def test_damping_and_rotation_are_sums_too():
-    M, K, C, Y = np.random.default_rng(4).standard_normal((4, 5, 5))
-    M, K, C, Y = M @ M.T, K @ K.T, C @ C.T, Y - Y.T
-    omega = Coefficient({"Omega": (1.0, 1.0)})
-    terms = [
-        Term("mass", to_petsc(M)),
-        Term("damping", to_petsc(C)),
-        Term("damping", to_petsc(Y), omega, symmetric=False),
-        Term("stiffness", to_petsc(K)),
-    ]
-    pencil = Pencil(terms, [Parameter("Omega", 2.0)])
-    matrices = pencil.at()
-    assert matrices.quadratic
-    assert to_numpy(matrices.damping) == pytest.approx(C)
-    assert to_numpy(matrices.gyroscopic) == pytest.approx(2 * Y)
-    with EigenSolver(pencil) as driver:
-        assert driver.solve(1.0).residuals.max() < 1e-13

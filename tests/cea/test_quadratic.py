@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
-from dense_reference import dense_quadratic
 from eigen_numbers import damped, damped_blocks
 from mpi import on_ranks
-from petsc_matrices import to_petsc
+from petsc_matrices import quadratic_with_errors, to_petsc
 from random_pencils import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array
@@ -81,23 +80,6 @@ def test_the_threshold_of_a_damped_system_is_exact(mu, c1, c2):
 
 
 @pytest.mark.parametrize(
-    ("backend", "size"), covering(["fe", "iga"], [0.0, 1e-14, 1e-11], strength=1)
-)
-def test_without_damping_the_problem_stays_linear(backend, size):
-    pencil = assemble(coarse(two_blocks(backend, GPTS, mu=0.4, held=True))).pencil()
-    linear = solve_modes(pencil, TOP)
-    modes = solve_modes(damped(pencil, size, size), TOP)
-    if not size:
-        assert np.array_equal(modes.eigenvalues, linear.eigenvalues)
-        assert type(modes.window) is type(linear.window)
-    same = by_size(linear.eigenvalues)
-    assert by_size(modes.eigenvalues) == pytest.approx(same, abs=1e-9)
-    assert modes.window.complete
-    below_errors = size > 0 and modes.verdict() == "undecided"  # of decay less than its error
-    assert below_errors or modes.verdict() == linear.verdict()
-
-
-@pytest.mark.parametrize(
     ("backend", "form", "mu"), covering(["fe", "iga"], ["penalty", "saddle"], [0.0, 0.4])
 )
 def test_proportional_damping_turns_eigenvalues_as_it_must(backend, form, mu):
@@ -164,7 +146,9 @@ def test_bounds_of_growth_hold():
     for seed in range(60):
         problem = random_quadratic(seed)
         end = 2 * np.pi * problem.max_frequency
-        values, errors = dense_quadratic(problem.mass, problem.damping, problem.stiffness, end)
+        values, errors = quadratic_with_errors(
+            problem.mass, problem.damping, problem.stiffness, end
+        )
         inside = np.abs(values.imag) < end - errors
         fastest = (values.real - 10 * errors)[inside].max(initial=-np.inf)
         matrices = problem.pencil().at()

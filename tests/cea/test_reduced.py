@@ -6,13 +6,13 @@ from itertools import product
 import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
-from petsc_matrices import to_petsc
+from petsc_matrices import FRICTION, sliding_pencil, to_petsc
 from scipy.linalg import eig
 
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
-from cea.eigen.pencil import FRICTION, Pencil, Term
+from cea.eigen.pencil import Pencil, Term
 from cea.reduced.basis import Span
 from cea.reduced.greedy import Enrichment, largest_ratio
 from cea.reduced.model import ReducedModel, Snapshot
@@ -74,7 +74,7 @@ def random_pencil(seed, *, damped=False, equal=False, lowered=0.0):
     F = root @ axes @ coupling @ axes.T @ root
     S, M = 0.5 * (S + S.T), root @ root
     if not damped:
-        return Pencil.of(to_petsc(S), to_petsc(M), to_petsc(F)), lambda s: eig(S - s * F, M)[0]
+        return sliding_pencil(S, M, F), lambda s: eig(S - s * F, M)[0]
     part = rng.standard_normal((n, n)) / n
     C, G = (0.04 * M, 0 * M) if equal else (0.02 * M + part @ part.T, part - part.T)
     s, turning = Coefficient({FRICTION: (1.0, 1.0)}, -1.0), Coefficient({"Omega": (1.0, 1.0)})

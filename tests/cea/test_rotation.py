@@ -15,7 +15,6 @@ from bodies import shape_body
 from covering import covering
 from petsc_matrices import dense_pencil, quadratic_eigenvalues, to_numpy
 
-from cea.eigen.shifted import Shifted
 from cea.material import IsotropicMaterial
 from cea.motion import Rotation
 from meshes.placement import Placement
@@ -127,24 +126,6 @@ def test_decay_of_a_free_ring_does_not_depend_on_the_frame(backend, kind, rate, 
     inside, outside, distance = in_both_frames(backend, kind, coriolis, rate)
     assert (distance < 2e-3 * np.abs(inside)).all()
     assert outside.real == pytest.approx(inside.real, rel=1e-2)
-
-
-@pytest.mark.parametrize("kind", ["beta", "modal", "all"])
-@pytest.mark.parametrize("rate", [1e-3, 2.0])
-def test_systems_with_it_are_solved(kind, rate):
-    made = system("fe", kind)
-    M, D, K = sums(made, rate)
-    matrices = made.pencil().at({RATE: rate})
-    rng = np.random.default_rng(5)
-    x = rng.normal(size=(len(M), 3)) + 1j * rng.normal(size=(len(M), 3))
-    for shift in (0.2, 0.3):
-        factors = Shifted.quadratic(matrices, shift)
-        P = shift**2 * M + shift * D + K
-        for transposed, matrix in ((False, P), (True, P.T)):
-            b = np.asfortranarray(matrix @ x)
-            found = factors.solve_block(b, transposed=transposed)
-            np.testing.assert_allclose(found, x, rtol=0, atol=1e-7)
-        factors.free()
 
 
 def test_springs_stay_where_they_are_in_space(backend):

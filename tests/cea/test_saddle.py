@@ -10,7 +10,6 @@ from motions import dense
 
 from cea.eigen.driver import solve_modes
 from scenes import run_modes, run_scene
-from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
 
 GPTS, MORTAR = {"method": "gpts", "points": 3}, {"method": "mortar"}
@@ -60,19 +59,6 @@ def test_the_patch_test_passes_at_any_stiffness(backend, method, P):
     assert worst < 1e-8
 
 
-@pytest.mark.parametrize(
-    ("overrides", "field"),
-    [
-        (["P=inf", "form='penalty'"], "P"),
-        (["P=inf", "formulation.lumped=true"], "P"),
-        (["form='saddle'", "formulation.lumped=true"], "form"),
-    ],
-)
-def test_what_has_no_such_form_is_refused(overrides, field):
-    with pytest.raises(SceneError, match=rf"contacts\.interface\.{field} = "):
-        load_scene(Path("patch_test"), [f"contacts.interface.{each}" for each in overrides])
-
-
 @pytest.mark.parametrize("form", ["penalty", "saddle"])
 def test_contact_between_held_sides_does_nothing(form):
     data = scene("fe", GPTS, mu=0.3, form=form)
@@ -103,15 +89,6 @@ def test_friction_that_varies_over_the_points_of_one_side_alone(form, leave_out,
 
 def forms(system):
     return {contact.form for contact in system.contacts}
-
-
-@pytest.mark.parametrize(
-    ("backend", "P", "full_pass"), covering(["fe", "iga"], [3.0, 1e5, 1e9], [False, True])
-)
-def test_saddle_where_a_penalty_costs_more_than_six_digits(backend, P, full_pass):
-    system = assemble(scene(backend, GPTS, P=P, full_pass=full_pass))
-    assert forms(system) == {"saddle" if P == 1e9 else "penalty"}
-    assert not system.warnings_at({})
 
 
 @pytest.mark.parametrize("fields", [{"formulation": LUMPED}, {"form": "penalty"}])

@@ -5,11 +5,10 @@ import pytest
 import scipy.linalg
 from blocks import assemble, coarse, two_blocks
 from covering import covering
-from petsc_matrices import to_numpy, to_petsc
+from petsc_matrices import FRICTION, sliding_pencil, to_numpy
 from reference_data import plane_meshes, stored
 
 from cea.eigen.driver import EigenSolver, solve_modes
-from cea.eigen.pencil import FRICTION, Pencil
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from scenes.running.system import coupled
@@ -110,21 +109,15 @@ def random_pencil():
     return stiffness, mass, 2.0 * rng.normal(size=(n, n)) / np.sqrt(n)
 
 
-def test_left_vectors_are_those_of_a_dense_solver(random_pencil):
+def test_condition_numbers_are_those_of_a_dense_solver(random_pencil):
     stiffness, mass, friction = random_pencil
-    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
-    modes = solve_modes(pencil, 0.75, left=True)
+    modes = solve_modes(sliding_pencil(*random_pencil), 0.75, left=True)
     assert len(modes) > 15
-    kappa = -(modes.eigenvalues**2)
-    y, x = modes.left.vectors, modes.vectors
-    defect = y.conj().T @ (stiffness - friction) - kappa[:, None] * (y.conj().T @ mass)
-    assert np.abs(defect).max() < 1e-9
-    assert y.conj().T @ mass @ x == pytest.approx(np.eye(len(modes)), abs=1e-9)
     root = scipy.linalg.sqrtm(mass)
     standard = np.linalg.solve(root, np.linalg.solve(root, (stiffness - friction).T).T)
     dense, left, right = scipy.linalg.eig(standard, left=True, right=True)
     exact = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right))
-    nearest = np.abs(dense[None, :] - kappa[:, None]).argmin(axis=1)
+    nearest = np.abs(dense + modes.eigenvalues[:, None] ** 2).argmin(axis=1)
     assert modes.conditions == pytest.approx(exact[nearest], rel=1e-7)
 
 
@@ -136,9 +129,7 @@ def test_a_multiple_eigenvalue_moves_as_it_splits():
     change = np.zeros((n, n))
     change[0, 0], change[1, 1], change[5, 2], change[0, 7] = 0.3, -0.2, 4.0, 2.0
     friction = turn @ change @ turn.T
-    pencil = Pencil.of(
-        to_petsc(0.5 * (stiffness + stiffness.T)), to_petsc(np.eye(n)), to_petsc(friction)
-    )
+    pencil = sliding_pencil(0.5 * (stiffness + stiffness.T), np.eye(n), friction)
     modes = solve_modes(pencil, 1.0, {FRICTION: 1e-13}, left=True)
     assert modes.eigenvalues[:2].imag == pytest.approx([2.0, 2.0])
     found = np.sort(modes.sensitivity(FRICTION)[:2].imag)
@@ -146,7 +137,7 @@ def test_a_multiple_eigenvalue_moves_as_it_splits():
 
 
 def test_what_was_not_asked_for_is_told(random_pencil):
-    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
+    pencil = sliding_pencil(*random_pencil)
     modes = solve_modes(pencil, 0.5)
     with pytest.raises(InputError, match="left"):
         modes.sensitivity(FRICTION)

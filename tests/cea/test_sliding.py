@@ -7,8 +7,6 @@ from covering import covering
 from petsc_matrices import to_numpy
 
 from meshes.placement import Placement
-from scenes.spec.problems import SceneError
-from scenes.spec.reading import read_scene
 
 PRESSURE, SPEED, SLOPE, MU = 3.0, 0.5, -0.2, 0.4
 AREA = 0.5 * 0.6
@@ -85,25 +83,3 @@ def test_without_friction_only_the_slope_is_left(backend):
     assert np.linalg.matrix_rank(to_numpy(pencil.at().damping)) > 0
     del data["contacts"]["interface"]["sliding"]["mu_slope"]
     assert not assemble(data).pencil().at().quadratic
-
-
-SLIDES = {"pressure": 1.0, "speed": 1.0}
-
-
-@pytest.mark.parametrize(
-    ("sliding", "change", "named"),
-    [
-        ({"pressure": -1.0, "speed": 1.0}, {}, "sliding.pressure"),
-        ({"pressure": 1.0, "speed": 0.0}, {}, "sliding.speed"),
-        ({"pressure": 1.0}, {}, "sliding.speed"),
-        ({"speed": 1.0}, {}, "sliding.pressure"),
-        ({"pressure": "q", "speed": 1.0}, {}, "sliding.pressure"),
-        (SLIDES, {"mu": 0.0, "friction_direction_on_a": None}, "friction_direction_on_a"),
-        (SLIDES, {"mu": 0.0, "formulation": {"method": "bonded"}}, "formulation"),
-    ],
-)
-def test_bad_sliding_is_refused_before_work_begins(backend, sliding, change, named):
-    data = scene(backend, GPTS, sliding=sliding)
-    data["contacts"]["interface"] |= change
-    with pytest.raises(SceneError, match=f"contacts.interface.{named}"):
-        read_scene(data)

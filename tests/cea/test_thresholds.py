@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from covering import covering
-from petsc_matrices import to_petsc
+from petsc_matrices import FRICTION, sliding_pencil
 from reference_data import plane_meshes, stored
 
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
-from cea.eigen.pencil import FRICTION, Pencil, Term
+from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from scenes import assemble, load_scene
@@ -23,7 +23,7 @@ MESHES = {
 
 def driver_of(stiffness, friction, mass=None):
     mass = np.eye(len(stiffness)) if mass is None else mass
-    return EigenSolver(Pencil.of(to_petsc(stiffness), to_petsc(mass), to_petsc(friction)))
+    return EigenSolver(sliding_pencil(stiffness, mass, friction))
 
 
 def lumped(coupling, others=12):

@@ -1,6 +1,5 @@
 """Windows of any growth: discs that cover them, bounds, signs, copies, clusters, verdicts."""
 
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -80,7 +79,7 @@ def test_what_was_not_searched_is_told(monkeypatch):
     options = KrylovOptions(dense_limit=0, max_discs=1)
     modes = solve_modes(pencil_with(blocks), HERTZ, options=options)
     assert not modes.window.complete
-    assert modes.window.max_growth == pytest.approx(np.sqrt(0.8 * 3.0))
+    assert modes.window.max_growth == pytest.approx(np.sqrt(2.4))
     assert modes.verdict() == "no unstable mode found"
     assert f"up to a growth rate of {modes.window.max_growth:.4g} 1/s" in modes.headline()
     assert set(modes.verdicts()) == {"stable"}
@@ -180,17 +179,6 @@ def test_what_converged_beyond_the_disc_has_left_vectors_too():
     assert len(modes) == (values < 1.0).sum() + 2
 
 
-def test_friction_that_leaves_a_narrow_cone_takes_no_second_shift():
-    """Copies and all are found about the middle, with one factorisation for the bound."""
-    blocks = [*band(150, 0.4), *[[[0.9]]] * 12, pair(0.6, 0.01)]
-    with EigenSolver(pencil_with(blocks), KRYLOV) as driver:
-        modes = driver.solve(HERTZ)
-        assert driver.factorisations == 2
-    assert modes.window.complete
-    assert (np.abs(modes.eigenvalues**2 + 0.9) < 1e-9).sum() == 12
-    assert modes.verdict() == "unstable"
-
-
 @pytest.mark.parametrize("beyond", [20, 400])
 def test_a_wide_cone_takes_a_second_shift(beyond):
     """Flutter that the first disc does not hold."""
@@ -222,16 +210,21 @@ def test_the_sign_of_the_determinant_counts_real_eigenvalues():
     assert [Shifted(matrices, shift).parity() for shift in shifts] == [0, 1, 0, 1]
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.4])
-def test_krylov_schur_finds_what_lapack_finds(backend, mu):
-    data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, mu=mu)
-    pencil = assemble(data).pencil()
-    modes = solve_modes(pencil, 1.0, options=KRYLOV)
-    other = solve_modes(pencil, 1.0, options=KrylovOptions(dense_limit=sys.maxsize))
-    assert len(modes) == len(other) > 5
-    distance = np.abs(modes.eigenvalues[:, None] - other.eigenvalues).min(axis=1)
-    errors = modes.growth_uncertainties + other.growth_uncertainties.max()
-    assert (distance <= errors + 1e-12).all()
+def test_signs_of_determinants_know_damping_of_low_rank():
+    """Negative stiffness: some shifts have an odd number of real eigenvalues beyond them."""
+    rng = np.random.default_rng(4)
+    stiffness = np.diag([-2.0, -1.0, 3.0, 4.0]) + 0.1 * rng.standard_normal((4, 4))
+    piece = rng.standard_normal((4, 3)), np.array([1.0, 5.0, 0.3])
+    matrices = pencil_of(np.eye(4), None, stiffness, piece).at()
+    M, C, K = dense_pencil(matrices)
+    found = []
+    for shift in np.linspace(0.05, 2.0, 12):
+        factors = Shifted.quadratic(matrices, float(shift))
+        sign = np.sign(np.linalg.det(shift**2 * M + shift * C + K))
+        assert factors.parity() == int(sign < 0)
+        found.append(factors.parity())
+        factors.free()
+    assert set(found) == {0, 1}
 
 
 def test_verdicts_leave_open_what_errors_do():
