@@ -1,10 +1,12 @@
 """Files, folders of factors, memory, faults on ranks, time: what programs leave and tell."""
 
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
 from contextlib import contextmanager
+from pathlib import Path
 from time import sleep
 
 import numpy as np
@@ -31,6 +33,21 @@ def full_disk(size):
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@contextmanager
+def killed(program, *arguments):
+    """The first line that a program writes, which is killed in the end."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, *arguments],
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=Path(__file__).parents[2],
+    )
+    yield process.stdout.readline().strip()
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
 
 
 def told(program):
@@ -68,6 +85,28 @@ def test_a_folder_takes_the_place_of_another_whole_or_stays_as_it_was(tmp_path):
     assert names(folder) == ["2.vtu", "large.vtu"]
     assert (folder / "2.vtu").read_bytes() == b"2.vtu"
     assert names(tmp_path) == ["modes"]
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from cea.files import write_whole
+out = Path(sys.argv[1])
+write_whole(b"0" * 10**6, out)
+print("begun", flush=True)
+for i in range(10**6):
+    write_whole(str(i % 10).encode() * 10**6, out)
+"""
+
+
+@pytest.mark.parametrize("delay", [0.01, 0.03, 0.07])
+def test_a_killed_process_leaves_a_whole_file(tmp_path, delay):
+    file = tmp_path / "r.bin"
+    with killed(WRITER, str(file)):
+        sleep(delay)
+    content = file.read_bytes()
+    assert len(content) == 10**6
+    assert len(set(content)) == 1
 
 
 def test_folders_of_factors_go_when_freed(tmp_path, monkeypatch):

@@ -39,7 +39,7 @@ def judged_by_dense(data):
         problem=OfScene(data),
         reference=Reference("dense", lambda: values),
         expected=EXPECTED["honest"],
-        tolerance=max(1e-7, rounding / (_RIGID * top)),
+        tolerance=max(1e-8, rounding / (_RIGID * top)),
     )
     row = judged(run)
     assert row["verdict"] != "WRONG", (data["name"], row)
