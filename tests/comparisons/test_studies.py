@@ -49,7 +49,7 @@ def test_quick_options_run_and_show(name, place, tmp_path):
 @pytest.mark.parametrize(
     ("study", "change"),
     [
-        *(("accuracy", {name: ("violin",)}) for name in ("problems", "parts")),
+        ("accuracy", {"problems": ("violin",)}),
         *(("brake", {"sizes": sizes}) for sizes in ((), (0.01, 0.02), (0.01, 0.01), (-0.01,))),
         ("assembly", {"repeats": 0}),
         ("scaling", {"ranks": ()}),
