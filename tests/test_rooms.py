@@ -114,7 +114,7 @@ def beyond(home, allowed):
 
 
 def test_imports_are_read():
-    assert set(APPLICATIONS) >= {"formulations", "accuracy", "paper"}
+    assert set(APPLICATIONS) >= {"stability", "accuracy", "paper"}
     assert WITHIN["cea.files"] == {"cea.errors"}
     assert sum(map(len, WITHIN.values())) > 500
 
