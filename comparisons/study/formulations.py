@@ -16,7 +16,7 @@ from cea.contact.formulations import (
 )
 from scenes.spec.body import Backend
 from scenes.spec.contact import suits
-from scenes.spec.reading import Scene
+from scenes.spec.reading import Scene, with_contact
 
 
 @dataclass(frozen=True)
@@ -35,18 +35,9 @@ class Variant:
 
     def of(self, scene: Scene, *, P: float | None = None, p: float | None = None) -> Scene:
         """The scene with this variant and P or p at every contact; saddle form if infinite."""
-        contacts = {
-            name: replace(
-                contact,
-                formulation=self.formulation,
-                full_pass=self.full_pass,
-                P=P,
-                p=p,
-                form="saddle" if inf in (P, p) else "penalty",
-            )
-            for name, contact in scene.contacts.items()
-        }
-        return replace(scene, contacts=contacts)
+        form = "saddle" if inf in (P, p) else "penalty"
+        own = {"formulation": self.formulation, "full_pass": self.full_pass}
+        return with_contact(scene, P=P, p=p, form=form, **own)
 
 
 def variants(
