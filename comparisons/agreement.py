@@ -7,9 +7,11 @@ a higher degree: modes that change there are not converged, however well the pai
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+from math import tau
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import pandas as pd
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, Mortar, NodeToSurface
@@ -17,7 +19,7 @@ from comparisons.study.numbers import decimals, number, per_cent, shown
 from comparisons.study.sections import Column, Section, Table, diagram
 from comparisons.study.study import Case, Session, Study, StudyResult
 from scenes import Result
-from scenes.results.matching import match_unstable
+from scenes.results.matching import match_runs
 from scenes.spec.body import Backend, backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene
 
@@ -98,19 +100,27 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
     """Yield a row for each unstable mode of two runs, with its partner if it has one."""
-    found = match_unstable(first, second)
-    for pair in found["pairs"]:
-        row: dict[str, Any] = {}
-        for key in ("frequency", "growth"):
-            one, other = pair[key]
-            row |= {f"{key}_first": one, key: other, f"{key}_change": other / one - 1}
-        row["modal_assurance"] = pair["modal_assurance"]
+    numbers = [np.flatnonzero(result.unstable) for result in (first, second)]
+    match = match_runs(first, second, *numbers, near=0.0, limit=None)
+    for pair in match.groups:
+        one, other = pair.means
+        row = {
+            "frequency_first": one.imag / tau,
+            "frequency": other.imag / tau,
+            "frequency_change": other.imag / one.imag - 1,
+            "growth_first": one.real,
+            "growth": other.real,
+            "growth_change": other.real / one.real - 1,
+            "modal_assurance": pair.assurance,
+        }
         near = abs(row["frequency_change"]) <= FREQUENCY_BOUND
         yield row | {"within": near and abs(row["growth_change"]) <= GROWTH_BOUND}
     nothing = dict.fromkeys(("frequency_change", "growth_change", "modal_assurance"))
-    for end, modes in (("_first", found["only_first"]), ("", found["only_second"])):
-        for mode in modes:
-            own = {f"{key}{end}": mode[key] for key in ("frequency", "growth")}
+    only_first = first.eigenvalues[numbers[0][match.only_first]]
+    only_second = second.eigenvalues[numbers[1][match.only_second]]
+    for end, values in (("_first", only_first), ("", only_second)):
+        for value in values:
+            own = {f"frequency{end}": value.imag / tau, f"growth{end}": value.real}
             yield own | nothing | {"within": False}
 
 

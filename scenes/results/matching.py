@@ -5,7 +5,6 @@ span and the mean of their eigenvalues, not on single modes. Such modes are pair
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,38 +90,14 @@ def match_runs(
     second: Result,
     first_modes: NDArray[np.int64] | None = None,
     second_modes: NDArray[np.int64] | None = None,
+    near: float = NEAR,
+    limit: float | None = ALONE,
 ) -> ModeMatch:
     """Pair modes of two runs of one scene by shape on the contact surfaces and by eigenvalue.
 
-    Scenes without contacts are compared on all surfaces.
+    Scenes without contacts are compared on all surfaces. Options are as of :func:`match_modes`.
     """
-    return match_modes(*_mode_sets(first, second, first_modes, second_modes))
-
-
-def match_unstable(first: Result, second: Result) -> dict[str, Any]:
-    """Pair the unstable modes of two runs of one scene with minimal total cost.
-
-    Returns ``pairs`` with the frequencies and growth rates of both modes and their modal assurance,
-    and the unmatched modes ``only_first`` and ``only_second``.
-    """
-    unstable = (np.flatnonzero(result.unstable) for result in (first, second))
-    sets = _mode_sets(first, second, *unstable)
-    match = match_modes(*sets, near=0.0, limit=None)
-    told = [
-        [{"frequency": z.imag / (2 * np.pi), "growth": z.real} for z in each.eigenvalues.tolist()]
-        for each in sets
-    ]
-    pairs = []
-    # With near = 0 groups are single modes, except for exactly equal eigenvalues.
-    for pair in match.groups:
-        for i, j in zip(pair.first, pair.second, strict=True):
-            both = {name: [told[0][i][name], told[1][j][name]] for name in ("frequency", "growth")}
-            pairs.append({**both, "modal_assurance": pair.assurance})
-    return {
-        "pairs": pairs,
-        "only_first": [told[0][i] for i in match.only_first],
-        "only_second": [told[1][j] for j in match.only_second],
-    }
+    return match_modes(*_mode_sets(first, second, first_modes, second_modes), near, limit)
 
 
 def _mode_sets(
