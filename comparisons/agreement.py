@@ -100,8 +100,8 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
     """Yield a row for each unstable mode of two runs, with its partner if it has one."""
-    numbers = [np.flatnonzero(result.unstable) for result in (first, second)]
-    match = match_runs(first, second, *numbers, near=0.0, limit=None)
+    own, its = np.flatnonzero(first.unstable), np.flatnonzero(second.unstable)
+    match = match_runs(first, second, own, its, near=0.0, limit=None)
     for pair in match.groups:
         one, other = pair.means
         row = {
@@ -116,12 +116,12 @@ def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
         near = abs(row["frequency_change"]) <= FREQUENCY_BOUND
         yield row | {"within": near and abs(row["growth_change"]) <= GROWTH_BOUND}
     nothing = dict.fromkeys(("frequency_change", "growth_change", "modal_assurance"))
-    only_first = first.eigenvalues[numbers[0][match.only_first]]
-    only_second = second.eigenvalues[numbers[1][match.only_second]]
+    only_first = first.eigenvalues[own[match.only_first]]
+    only_second = second.eigenvalues[its[match.only_second]]
     for end, values in (("_first", only_first), ("", only_second)):
         for value in values:
-            own = {f"frequency{end}": value.imag / tau, f"growth{end}": value.real}
-            yield own | nothing | {"within": False}
+            alone = {f"frequency{end}": value.imag / tau, f"growth{end}": value.real}
+            yield alone | nothing | {"within": False}
 
 
 def unstable(result: StudyResult) -> pd.DataFrame:
