@@ -14,14 +14,12 @@ from cea.system.steady_state import ContactState
 from comparisons.study.plots import BLUE, STYLE, save
 from scenes import Result
 
-_FLAT = 0.5  # length of the mean unit normal above which it is the direction of view
-
 
 def draw_contacts(result: Result, out: Path) -> list[Path]:
     """Draw the steady sliding state of each contact with a contact law; return the files.
 
-    In space the view is along the axis nearest to the mean normal, or in which the contact is
-    thinnest; in the plane values are drawn along the axis in which it is longest.
+    In space the view is along the axis in which the contact is thinnest; in the plane values are
+    drawn along the axis in which it is longest.
     """
     states = result.steady.contacts if result.steady is not None else {}
     files = []
@@ -63,12 +61,9 @@ def _along(axes: Any, contact: Contact, values: Floats, title: str) -> None:
 
 def _seen(axes: Any, contact: Contact, values: Floats, title: str) -> None:
     """Draw values at the points of a contact in space; open points have the value zero."""
-    points = contact.interface.points
-    mean = np.abs(points.normal.mean(axis=0))
-    flat = np.linalg.norm(mean) > _FLAT
-    thin = int(np.argmax(mean) if flat else np.argmin(np.ptp(points.x, axis=0)))
-    across = [axis for axis in range(3) if axis != thin]
-    dots = axes.scatter(*points.x[:, across].T, s=9.0, c=values, linewidths=0, vmin=0.0)
+    x = contact.interface.points.x
+    across = np.delete(range(3), np.argmin(np.ptp(x, axis=0)))
+    dots = axes.scatter(*x[:, across].T, s=9.0, c=values, linewidths=0, vmin=0.0)
     axes.figure.colorbar(dots, ax=axes, shrink=0.85)
     names = (f"{'xyz'[axis]} (m)" for axis in across)
     axes.set(aspect="equal", title=title, xlabel=next(names), ylabel=next(names))
