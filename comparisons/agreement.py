@@ -7,7 +7,7 @@ a higher degree: modes that change there are not converged, however well the pai
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
-from math import tau
+from math import pi
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -100,28 +100,29 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
     """Yield a row for each unstable mode of two runs, with its partner if it has one."""
-    own, its = np.flatnonzero(first.unstable), np.flatnonzero(second.unstable)
-    match = match_runs(first, second, own, its, near=0.0, limit=None)
-    for pair in match.groups:
-        one, other = pair.means
-        row = {
-            "frequency_first": one.imag / tau,
-            "frequency": other.imag / tau,
-            "frequency_change": other.imag / one.imag - 1,
-            "growth_first": one.real,
-            "growth": other.real,
-            "growth_change": other.real / one.real - 1,
-            "modal_assurance": pair.assurance,
-        }
+    chosen = [np.flatnonzero(result.unstable) for result in (first, second)]
+    found = match_runs(first, second, *chosen, near=0.0, limit=None)
+    for pair in found.groups:
+        before, after = (_numbers(mean) for mean in pair.means)
+        row: dict[str, Any] = {}
+        for key, one in before.items():
+            row |= {f"{key}_first": one, key: after[key], f"{key}_change": after[key] / one - 1}
+        row["modal_assurance"] = pair.assurance
         near = abs(row["frequency_change"]) <= FREQUENCY_BOUND
         yield row | {"within": near and abs(row["growth_change"]) <= GROWTH_BOUND}
     nothing = dict.fromkeys(("frequency_change", "growth_change", "modal_assurance"))
-    only_first = first.eigenvalues[own[match.only_first]]
-    only_second = second.eigenvalues[its[match.only_second]]
-    for end, values in (("_first", only_first), ("", only_second)):
-        for value in values:
-            alone = {f"frequency{end}": value.imag / tau, f"growth{end}": value.real}
-            yield alone | nothing | {"within": False}
+    for end, result, modes in (
+        ("_first", first, chosen[0][found.only_first]),
+        ("", second, chosen[1][found.only_second]),
+    ):
+        for value in result.eigenvalues[modes].tolist():
+            own = {f"{key}{end}": each for key, each in _numbers(value).items()}
+            yield own | nothing | {"within": False}
+
+
+def _numbers(eigenvalue: complex) -> dict[str, float]:
+    """Return the frequency (Hz) and the growth rate (1/s) of an eigenvalue (1/s)."""
+    return {"frequency": eigenvalue.imag / (2 * pi), "growth": eigenvalue.real}
 
 
 def unstable(result: StudyResult) -> pd.DataFrame:

@@ -87,38 +87,6 @@ def line_of_model(
     return Line(window, at)
 
 
-def threshold_between(
-    line: Line, real: float, flutter: float, frequency: float | None
-) -> Threshold:
-    """Return the first threshold after ``real`` at which a mode (undamped: a pair) begins to grow.
-
-    With a ``frequency`` (Hz) it is the nearest one to it instead. InputError when no mode begins
-    to grow, ConvergenceError when an interval before the threshold is unresolved.
-    """
-    if real == flutter:
-        raise InputError("flutter", flutter, "another value than real")
-    found = thresholds_along(line, np.linspace(real, flutter, _TRAINING).tolist())
-    kinds = ("flutter", "divergence") if line.window.damped else ("flutter",)
-    way = 1.0 if flutter > real else -1.0
-    begins = [each for each in found.thresholds if way * each.change > 0 and each.kind in kinds]
-    begins.sort(key=lambda each: way * each.value)
-    if frequency is not None:
-        begins.sort(key=lambda each: abs(each.eigenvalue.imag - 2 * np.pi * frequency))
-    before = [
-        each for each in found.unresolved if not begins or way * each.low < way * begins[0].value
-    ]
-    if before and (frequency is None or not begins):
-        where = ", ".join(f"{each.low:.6g} to {each.high:.6g}" for each in before)
-        raise ConvergenceError(f"unresolved intervals may contain thresholds: {where}")
-    if not begins:
-        raise InputError(
-            "flutter",
-            flutter,
-            f"a value such that at least one mode begins to grow between {real:g} and it",
-        )
-    return begins[0]
-
-
 def first_threshold(
     driver: EigenSolver,
     parameter: str | Sequence[str],
@@ -128,15 +96,19 @@ def first_threshold(
     max_frequency: float,
     frequency: float | None = None,
 ) -> ConfirmedThreshold:
-    """Return the first threshold of a pencil between two values, confirmed by full solves.
+    """Return the first threshold after ``real``, confirmed by full solves.
 
-    ``parameter`` is one name, e.g. ``contacts.pad_disc.mu``, or several names whose values are
-    equal. The window ends at ``max_frequency`` (Hz). Other parameters and errors are those of
-    :func:`threshold_between`.
+    There a mode (undamped: a pair) begins to grow. ``parameter`` is one name, e.g.
+    ``contacts.pad_disc.mu``, or several names whose values are equal. The window ends at
+    ``max_frequency`` (Hz). With a ``frequency`` (Hz) the threshold nearest to it is returned.
+    InputError when no mode begins to grow, ConvergenceError when an interval before the threshold
+    is unresolved.
     """
     names = [parameter] if isinstance(parameter, str) else list(parameter)
     if not names:
         raise InputError("parameter", parameter, "one or more names")
+    if real == flutter:
+        raise InputError("flutter", flutter, "another value than real")
 
     def point(value: float) -> Mapping[str, float]:
         return dict.fromkeys(names, value)
@@ -145,17 +117,37 @@ def first_threshold(
         driver.pencil.values(point(value))
     pencil = driver.pencil
     box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
+    training = np.linspace(real, flutter, _TRAINING).tolist()
     model = ReducedModel(pencil, box, max_frequency)
     try:
-        training = np.linspace(real, flutter, _TRAINING).tolist()
         Enrichment(model, driver).cover([point(value) for value in training])
     finally:
         model.free()
     rates = dict.fromkeys(names, 1.0)
     line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
-    found = threshold_between(line, real, flutter, frequency)
-    confirmed = confirm(driver, point, found, line.window)
-    value, root = confirmed or (found.value, found.eigenvalue)
+    found = thresholds_along(line, training)
+    kinds = ("flutter", "divergence") if line.window.damped else ("flutter",)
+    way = 1.0 if flutter > real else -1.0
+    begins = [each for each in found.thresholds if way * each.change > 0 and each.kind in kinds]
+
+    def order(each: Threshold) -> float:
+        if frequency is None:
+            return way * each.value
+        return abs(each.eigenvalue.imag - 2 * np.pi * frequency)
+
+    first = min(begins, key=order, default=None)
+    before = found.unresolved
+    if first is not None:
+        nearer = frequency is None
+        before = [each for each in before if nearer and way * each.low < way * first.value]
+    if before:
+        where = ", ".join(f"{each.low:.6g} to {each.high:.6g}" for each in before)
+        raise ConvergenceError(f"unresolved intervals may contain thresholds: {where}")
+    if first is None:
+        allowed = f"a value such that at least one mode begins to grow between {real:g} and it"
+        raise InputError("flutter", flutter, allowed)
+    confirmed = confirm(driver, point, first, line.window)
+    value, root = confirmed or (first.value, first.eigenvalue)
     return ConfirmedThreshold(", ".join(names), value, root)
 
 

@@ -65,11 +65,13 @@ class Pieces:
         self.displacements = int(pencil.terms[0].matrix.getLocalSize()[0])
         forces = sum(each.closure.getLocalSize()[0] for each in pencil.forces)
         self.rows = self.displacements + int(forces)
-        self.all = [
-            *self._of_terms(pencil),
-            *self._of_low_rank(pencil),
-            *self._of_circulatory(pencil),
-        ]
+        self.all = list(self._of_terms(pencil))
+        for damping in pencil.low_rank:
+            product: Product = partial(damping.piece.times, comm=pencil.comm)
+            self.all.append(self._piece("damping", damping.coefficient, product, product))
+        for term in pencil.circulatory:
+            turned = partial(term.piece.times, transposed=True)
+            self.all.append(self._piece("stiffness", term.coefficient, term.piece.times, turned))
         self.contacts, first = [], self.displacements
         for each in pencil.forces:
             rows = slice(first, first + each.closure.getLocalSize()[0])
@@ -117,18 +119,6 @@ class Pieces:
             if not symmetric:
                 turned = partial(times, self._kept(matrix.transpose(PETSc.Mat())))
             yield self._piece(role, of, product, turned)
-
-    def _of_low_rank(self, pencil: Pencil) -> Iterator[Piece]:
-        """Yield low-rank terms: modal damping."""
-        for term in pencil.low_rank:
-            product = partial(term.piece.times, comm=pencil.comm)
-            yield self._piece("damping", term.coefficient, product, product)
-
-    def _of_circulatory(self, pencil: Pencil) -> Iterator[Piece]:
-        """Yield circulatory terms: damping that rotates with a body."""
-        for term in pencil.circulatory:
-            turned = partial(term.piece.times, transposed=True)
-            yield self._piece("stiffness", term.coefficient, term.piece.times, turned)
 
     def _of_contact(self, forces: ForcesOfContact, rows: slice) -> ContactPiece:
         """Return a contact whose forces are unknowns; its terms are appended to ``all``."""

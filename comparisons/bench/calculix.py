@@ -29,7 +29,7 @@ from scenes import run_modes
 from scenes.building.build import body_mesh
 from scenes.export.decks.write import write_deck
 from scenes.spec.mesh import FeMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene, with_contact
+from scenes.spec.reading import Scene, load_scene
 
 MASS_QUADRATURE = 2
 """Polynomial degree that four points integrate exactly: the mass of CalculiX."""
@@ -68,7 +68,7 @@ def scene(case: Case, options: Options) -> Scene:
     if problem in whole.bodies:
         bodies = {problem: whole.bodies[problem]}
         return replace(whole, name=problem, bodies=bodies, contacts={})
-    return with_contact(whole, formulation=Segments())
+    return whole.change("contacts.pad_disc.formulation", Segments())
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:

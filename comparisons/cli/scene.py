@@ -90,13 +90,13 @@ def _first(description: str) -> str:
 @app.command()
 def export(
     scene: SceneName,
-    to: Annotated[Literal["inp"], Option(help="Format: decks of CalculiX and Abaqus.")] = "inp",
+    to: Annotated[Literal["inp"], Option(help="Format: decks of CalculiX.")] = "inp",
     set_: Settings = None,
     backend: Annotated[Literal["fe"] | None, Option(help="Backend for every body.")] = None,
     modes: Annotated[int, Option(help="Number of modes that the decks request.")] = 20,
     out: Out = Path("results/export"),
 ) -> None:
-    """Write a scene of Lagrange elements as input decks of CalculiX and Abaqus."""
+    """Write a scene of Lagrange elements as an input deck of CalculiX."""
     from comparisons.cli.output import working
     from scenes.export.decks.write import write_deck
     from scenes.spec.reading import load_scene

@@ -105,9 +105,7 @@ def threshold(
 def _sweep(asked: Any, out: Path) -> None:
     """Run a sweep, print its result and write its page."""
     from comparisons.cli.output import print_frame, print_warnings, working
-    from comparisons.study.sections import Table
-    from comparisons.sweep import tables
-    from comparisons.sweep.page import FILE, write_sweep
+    from comparisons.sweep.page import FILE, answer_table, headline, quality, words, write_sweep
     from comparisons.sweep.study import run
     from scenes.results.folder import check_out
 
@@ -118,10 +116,10 @@ def _sweep(asked: Any, out: Path) -> None:
     if made.store is not None:
         made.store.discard()
     data = made.record
-    typer.echo(tables.headline(data))
-    typer.echo(tables.words(made))
-    print_frame(Table("summary", "The sweep.", tables.summary), made)
-    print_frame(tables.answer_table(made), made)
+    typer.echo(headline(data))
+    typer.echo(words(made))
+    typer.echo(quality(data))
+    print_frame(answer_table(made), made)
     print_warnings(data["warnings"])
     if "why" in data:
         typer.echo(f"Solved in full at each value: {data['why']}")

@@ -6,6 +6,7 @@ from math import inf
 
 from cea.contact.formulations import (
     Botella,
+    Form,
     Formulation,
     GaussPointToSurface,
     Greville,
@@ -16,7 +17,7 @@ from cea.contact.formulations import (
 )
 from scenes.spec.body import Backend
 from scenes.spec.contact import suits
-from scenes.spec.reading import Scene, with_contact
+from scenes.spec.reading import Scene
 
 
 @dataclass(frozen=True)
@@ -35,9 +36,19 @@ class Variant:
 
     def of(self, scene: Scene, *, P: float | None = None, p: float | None = None) -> Scene:
         """The scene with this variant and P or p at every contact; saddle form if infinite."""
-        form = "saddle" if inf in (P, p) else "penalty"
-        own = {"formulation": self.formulation, "full_pass": self.full_pass}
-        return with_contact(scene, P=P, p=p, form=form, **own)
+        form: Form = "saddle" if inf in (P, p) else "penalty"
+        contacts = {
+            name: replace(
+                contact,
+                formulation=self.formulation,
+                full_pass=self.full_pass,
+                P=P,
+                p=p,
+                form=form,
+            )
+            for name, contact in scene.contacts.items()
+        }
+        return replace(scene, contacts=contacts)
 
 
 def variants(

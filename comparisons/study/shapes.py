@@ -43,7 +43,7 @@ class Shapes:
         """
         from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
-        cells = _cells(result)
+        cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
         shapes = {
             name: result.mode_shapes(name, each.values, modes, everywhere=False)
             for name, each in cells.items()
@@ -113,20 +113,13 @@ def _whole(values: Floats | Ints) -> list[list[int]]:
     return np.round(values).astype(int).T.tolist()
 
 
-def _cells(result: Result) -> dict[str, Any]:
-    """Cells of the bodies; collective."""
-    from scenes.pictures.grids import merged  # brings pyvista
-
-    return {name: merged(body.space.volume_cells()) for name, body in result.bodies.items()}
-
-
 def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict[str, Any]:
     """Surfaces of the bodies, as fine as the limit of points allows, with their modes.
 
     Point data ``real i`` and ``imaginary i`` are the displacements of mode i, from 0; cell data
     ``element`` are the elements of the triangles.
     """
-    from scenes.pictures.grids import outside
+    from scenes.pictures.grids import outside  # brings pyvista
 
     fields = {
         name: {

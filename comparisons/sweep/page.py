@@ -1,4 +1,4 @@
-"""Output of a sweep: the record, sweep.nc, tables, pictures, and the page with them."""
+"""Presentation of a sweep: sweep.nc, the record, first lines, tables, pictures and the page."""
 
 from pathlib import Path
 
@@ -6,18 +6,31 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from cea.eigen.classify import GROWING, WORDS, counted_words
 from cea.petsc import MPI
+from comparisons.study.closing import warned
+from comparisons.study.columns import Column
+from comparisons.study.numbers import counted, shown
 from comparisons.study.page import REPORT, write
 from comparisons.study.plots import AXIS, BLUE, GREY, VERMILION
-from comparisons.study.result import RESULT, read_result
-from comparisons.study.sections import Drawing, Plot
+from comparisons.study.result import RESULT, Data, read_result
+from comparisons.study.run_warnings import kinds_at
+from comparisons.study.sections import Drawing, Plot, Section, Table
 from comparisons.sweep.points import Points
 from comparisons.sweep.spectra import HINT, UNSTABLE, read_netcdf, write_netcdf
 from comparisons.sweep.study import COMMAND, Swept
-from comparisons.sweep.tables import sections_of
 from scenes.results.record import write_record
 
 FILE = "sweep.nc"
+_ON_PAGE = 500
+"""Largest number of rows of a table that the page shows; its file holds all."""
+_WHAT = {
+    "flutter": ("flutter begins", "flutter ends"),
+    "divergence": ("divergence begins", "divergence ends"),
+    "window": ("growing mode enters the window from above", "growing mode leaves the window"),
+    "count": ("more modes grow", "fewer modes grow"),
+}
+"""Text for a threshold where the number of growing modes increases, and where it decreases."""
 
 
 def write_sweep(made: Swept, out: Path) -> Path:
@@ -28,10 +41,7 @@ def write_sweep(made: Swept, out: Path) -> Path:
     write_netcdf(made.spectra, made.points, out / FILE)
     write_record(made.record, out / RESULT)
     title = f"Sweep of {made.record['inputs']['scene']}"
-    drawn: Plot | Drawing = SAMPLES
-    if made.points.axes:
-        drawn = line_figure if len(made.points.axes) == 1 else map_figure
-    return write(title, sections_of(made, drawn), made, out)
+    return write(title, sections_of(made), made, out)
 
 
 def read_sweep(out: Path) -> Swept:
@@ -48,6 +58,187 @@ def read_sweep(out: Path) -> Swept:
     return Swept(data, points, spectra, None)
 
 
+def headline(data: Data) -> str:
+    """Return the main result of a sweep in one or two sentences."""
+    if "fields" in data:
+        told = f"{data['any']['grows']} of {data['values']} samples grow"
+        undecided = data["any"]["undecided"]
+        return told + (f", {undecided} are undecided." if undecided else ".")
+    first, *others = data["axes"]
+    along = f"{first['name']} = {first['ends'][0]:g} to {first['ends'][1]:g}"
+    begun = [each for each in data["thresholds"] if each["change"] > 0]
+    level = f"growth_threshold {data['growth_threshold'] or 0:g} 1/s"
+    count, unresolved = len(data["thresholds"]), len(data["unresolved"])
+    if others:
+        told = f"{count} thresholds along {first['name']} ({level})."
+    elif begun:
+        one = min(begun, key=lambda each: each["value"])
+        told = (
+            f"Growth from {first['name']} = {one['value']:.4g} at {one['im'] / (2 * np.pi):.6g} Hz "
+            f"(first of {count} thresholds for {along}; {level})."
+        )
+    else:
+        grows = "Nothing begins to grow" if data["growing_at_first"] else "No flutter"
+        sure = "" if unresolved or "why" in data else ", every interval resolved"
+        told = f"{grows} for {along}{sure} ({level})."
+    return told + (f" {unresolved} intervals unresolved." if unresolved else "")
+
+
+def words(made: Swept) -> str:
+    """Return the number of modes of each class at the point of the largest growth rate."""
+    data, points, spectra = made.record, made.points, made.spectra
+    if not spectra.there.any():
+        return f"No modes below {data['max_frequency']:g} Hz at any value."
+    point = int(np.unravel_index(np.nanargmax(spectra.growth), spectra.growth.shape)[0])
+    there = spectra.there[point]
+    growth, verdicts = spectra.growth[point][there], spectra.verdict[point][there]
+    at = zip(points.names, points.values[point], strict=True)
+    told = ", ".join(f"{name} = {value:.6g}" for name, value in at)
+    counts = counted_words([WORDS[i] for i in verdicts], growth.tolist(), data["growth_threshold"])
+    return f"Largest growth rate at {told}: {counted(len(growth), 'mode')}: {counts}."
+
+
+def quality(data: Data) -> str:
+    """Return how many values are certified, and the size of the reduced model, in a sentence."""
+    told = f"{data['certified']} of {data['values']} values "
+    if "why" in data:
+        told += "solved in full"
+    else:
+        told += (
+            f"certified, the worst relative bound is {data['worst']:.2g}; {max(data['vectors'])} "
+            f"vectors of {len(data['snapshots'])} full solves with {data['unknowns']} unknowns"
+        )
+    if data["complete_to"] is not None:
+        told += f"; complete up to a growth of {data['complete_to']:g} 1/s"
+    return told + "."
+
+
+def sections_of(made: Swept) -> list[Section]:
+    """Return the sections of the page of a sweep."""
+    data, few = made.record, len(made.points.values) <= _ON_PAGE
+    first = f"{headline(data)} {words(made)} {quality(data)}"
+    drawn: Plot | Drawing = SAMPLES
+    if made.points.axes:
+        drawn = line_figure if len(made.points.axes) == 1 else map_figure
+    why, basis = "", []
+    if "why" in data:
+        why = f"Solved in full at each value: {data['why']}"
+    else:
+        caption = "Full solves of the basis, and error of the reduced model before each of them."
+        basis.append(Table("full_solves", caption, full_solves, _columns(made)))
+    title = "Thresholds" if made.points.axes else "Probability of growth"
+    every = Table("sweep", "All values.", values, _columns(made), shown=few)
+    return [
+        Section("What grows where", why, lambda _: first, [], [drawn]),
+        Section("Warnings", tables=[Table("warnings", "", lambda made: warned(made.record))]),
+        Section(title, tables=[answer_table(made)]),
+        Section("Values", tables=[every]),
+        Section("Full solves", tables=basis),
+    ]
+
+
+def _columns(made: Swept) -> dict[str, Column]:
+    """Return the columns of the fields, and those of all sweeps."""
+    return OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
+
+
+def answer_table(made: Swept) -> Table:
+    """Return the table of thresholds, or of probabilities for samples."""
+    data, names = made.record, made.points.names
+    if not made.points.axes:
+        caption = f"Growing samples of {data['values']}; 95 per cent confidence intervals."
+        return Table("probability", caption, probability, OWN)
+    told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval accepted by count"
+    if "why" in data:
+        told = "the step between values, each of which is solved in full"
+    caption = f"Where the number of growing modes changes along {names[0]}. Resolution: {told}."
+    own = _columns(made) | {names[0]: Column(names[0], show=shown(10))}
+    return Table("thresholds", caption, thresholds, own)
+
+
+def thresholds(made: Swept) -> pd.DataFrame:
+    """Return a row for each threshold and each unresolved interval."""
+    first, *others = made.points.names
+    rows = []
+    for each in (*made.record["thresholds"], *made.record["unresolved"]):
+        if "kind" in each:
+            value, bound, what = each["value"], each["error"], _WHAT[each["kind"]]
+            told = what[each["change"] < 0]
+        else:
+            value, bound = (each["high"] + each["low"]) / 2, (each["high"] - each["low"]) / 2
+            told = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
+        frequency = None if each["im"] is None else each["im"] / (2 * np.pi)
+        place = [*(each[name] for name in others), value]
+        rows.append([*place, bound, frequency, told, each.get("full_solve_differs")])
+    return pd.DataFrame(rows, columns=[*others, first, "bound", "frequency", "what", "full"])
+
+
+def full_solves(made: Swept) -> pd.DataFrame:
+    """Return a row for each full solve."""
+    solves = made.record["snapshots"]
+    firsts = [group[0] for group in made.record["parameters"]]
+    return pd.DataFrame(
+        [
+            {name: each["point"][name] for name in firsts}
+            | {"error over its bound": each["tested"], "window complete": each["complete"]}
+            for each in solves
+        ]
+    )
+
+
+def values(made: Swept) -> pd.DataFrame:
+    """Return a row for each point: number of growing modes, the fastest, bound, warnings."""
+    data, spectra = made.record, made.spectra
+    frame = pd.DataFrame(made.points.values, columns=[*made.points.names])
+    reasons = {tuple(each["point"].values()): each["reason"] for each in data["failed"]}
+    top = np.arange(len(frame)), np.where(spectra.there, spectra.growth, -np.inf).argmax(axis=1)
+    points = frame.to_dict("records")
+    return frame.assign(
+        modes=spectra.there.sum(axis=1),
+        **{
+            word.replace(" ", "_"): (spectra.verdict == WORDS.index(word)).sum(axis=1)
+            for word in GROWING
+        },
+        growth=spectra.growth[top],
+        frequency=spectra.frequency[top],
+        bound=np.nan if "why" in data else spectra.bound,
+        warnings=[", ".join(kinds_at(data.get("warnings", ()), at)) for at in points],
+        no_answer=[reasons.get(tuple(at.values()), "") for at in points],
+    )
+
+
+def probability(made: Swept) -> pd.DataFrame:
+    """Return a row for all modes together, and one for each mode that may grow."""
+    data = made.record
+    together = {"mode": "any", "frequency": None, "seen": data["values"]} | data["any"]
+    return pd.DataFrame(
+        [
+            {"mode": str(each["mode"])}
+            | {name: value for name, value in each.items() if name not in ("mode", "growth")}
+            | {f"growth_{name}": value for name, value in each["growth"].items()}
+            for each in (together, *data["modes"])
+        ]
+    )
+
+
+OWN = {
+    "mode": Column("mode"),
+    "growth": Column("fastest growth", "1/s", shown(5, sign=True)),
+    "bound": Column("bound", show=shown(2)),
+    "full": Column("full solve differs by", show=shown(2, sign=True)),
+    "frequency": Column("frequency", "Hz", shown(7)),
+    "what": Column("what"),
+    "seen": Column("in the window", show=shown(7)),
+    "low": Column("from", show=shown(4)),
+    "high": Column("to", show=shown(4)),
+    "fastest": Column("fastest", "1/s", shown(4)),
+    "growth_low": Column("growth, 5 %", "1/s", shown(4)),
+    "growth_median": Column("median", "1/s", shown(4)),
+    "growth_high": Column("95 %", "1/s", shown(4)),
+}
+"""Titles, units and formats of the columns of sweeps."""
+
+
 def line_figure(made: Swept) -> Figure:
     """Draw growth rates and frequencies of all modes along an axis, unstable ones in colour."""
     data, points, spectra = made.record, made.points, made.spectra
@@ -55,9 +246,9 @@ def line_figure(made: Swept) -> Figure:
     growth, frequency = figure.subplots(2, 1, sharex=True)
     values = np.broadcast_to(points.values, spectra.growth.shape)
     unstable = spectra.verdict == UNSTABLE
-    for space, shown in ((growth, spectra.growth), (frequency, spectra.frequency)):
+    for space, rates in ((growth, spectra.growth), (frequency, spectra.frequency)):
         for chosen, colour, size in ((~unstable, GREY, 1.5), (unstable, VERMILION, 4.0)):
-            space.plot(values[chosen], shown[chosen], ".", color=colour, ms=size)
+            space.plot(values[chosen], rates[chosen], ".", color=colour, ms=size)
         for each in data["unresolved"]:
             space.axvspan(each["low"], each["high"], hatch="///", alpha=0.2, color=GREY)
         if points.logarithmic:
@@ -88,13 +279,13 @@ def map_figure(made: Swept) -> Figure:
     data, points, spectra = made.record, made.points, made.spectra
     x, y = points.axes[:2]
 
-    def shown(values: np.ndarray) -> np.ndarray:
-        plane: np.ndarray = values.reshape(*points.counts[:2], -1)[:, :, 0].T
-        return plane
+    def plane(values: np.ndarray) -> np.ndarray:
+        first: np.ndarray = values.reshape(*points.counts[:2], -1)[:, :, 0].T
+        return first
 
     figure = Figure(figsize=(7.2, 4.8), layout="constrained")
     space = figure.subplots()
-    growth = np.ma.masked_invalid(shown(spectra.largest))
+    growth = np.ma.masked_invalid(plane(spectra.largest))
     mesh = space.pcolormesh(x, y, growth, cmap="viridis", shading="nearest", rasterized=True)
     figure.colorbar(mesh, label="largest growth rate of an unstable mode (1/s)")
     further = {axis["name"]: axis["values"][0] for axis in data["axes"][2:]}
@@ -110,9 +301,9 @@ def map_figure(made: Swept) -> Figure:
     space.set_xlabel(points.names[0])
     space.set_ylabel(points.names[1])
     tolerance = data["inputs"]["tolerance"]
-    row, column = np.nonzero(shown(spectra.bound) > tolerance)
+    row, column = np.nonzero(plane(spectra.bound) > tolerance)
     space.plot(x[column], y[row], "+", color=GREY, ms=4)
-    above = np.isfinite(shown(spectra.above_growth))
+    above = np.isfinite(plane(spectra.above_growth))
     if above.any():
         hatched = np.ma.masked_where(~above, np.ones(above.shape))
         space.pcolor(x, y, hatched, shading="nearest", hatch="///", alpha=0.0)

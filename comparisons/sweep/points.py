@@ -40,11 +40,11 @@ class Axis:
     first: float
     last: float
     count: int
-    logarithmic: bool = False
+    log: bool = False
 
     def __post_init__(self) -> None:
         for end in (self.first, self.last):
-            _check_end(self.name, end, positive=self.logarithmic)
+            _check_end(self.name, end, positive=self.log)
         other = "another last value than the first"
         require(self.first != self.last, self.name, self.last, other)
         require(2 <= self.count <= _MOST, self.name, self.count, f"2 to {_MOST} values")
@@ -52,13 +52,8 @@ class Axis:
     @property
     def values(self) -> list[float]:
         """The values of the axis."""
-        spaced = np.geomspace if self.logarithmic else np.linspace
+        spaced = np.geomspace if self.log else np.linspace
         return spaced(self.first, self.last, self.count).tolist()
-
-    def plain(self) -> dict[str, Any]:
-        """Return the axis as plain data."""
-        told = asdict(self)
-        return told | {"log": told.pop("logarithmic")}
 
 
 @dataclass(frozen=True)
@@ -101,13 +96,14 @@ class Distribution:
         values = np.clip(law.ppf(below + (above - below) * probability), low, self.high)
         return values, (below - before) / (above - before)
 
-    def plain(self) -> dict[str, Any]:
-        """Return the distribution as plain data, without infinite ends."""
-        return {name: each for name, each in asdict(self).items() if each not in (-np.inf, np.inf)}
-
 
 Field = Axis | Distribution
 """A field that varies in a sweep."""
+
+
+def as_plain(field: Field) -> dict[str, Any]:
+    """Return a field as plain data, without infinite ends."""
+    return {name: each for name, each in asdict(field).items() if each not in (-np.inf, np.inf)}
 
 
 @dataclass(frozen=True)
@@ -206,7 +202,7 @@ def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: 
     axes = [each for each in fields if isinstance(each, Axis)]
     if axes:
         own = [np.array(each.values) for each in axes]
-        return Points.of_axes(names, own, log=axes[0].logarithmic)
+        return Points.of_axes(names, own, log=axes[0].log)
     spread = [each for each in fields if isinstance(each, Distribution)]
     probabilities = np.random.default_rng(seed).random((len(fields), count))
     each_of = zip(spread, probabilities, least, strict=True)
@@ -219,14 +215,14 @@ def read_axis(text: str) -> Axis:
     """Read an axis from its text; InputError when it is none."""
     name, equals, rest = text.partition("=")
     parts = rest.split(":")
-    logarithmic = len(parts) == 4 and parts[2] == "log"
-    if not (name and equals) or len(parts) != (4 if logarithmic else 3):
+    log = len(parts) == 4 and parts[2] == "log"
+    if not (name and equals) or len(parts) != (4 if log else 3):
         raise InputError("axis", text, _AXIS)
     try:
         first, last, count = float(parts[0]), float(parts[1]), int(parts[-1])
     except ValueError:
         raise InputError("axis", text, _AXIS) from None
-    return Axis(name, first, last, count, logarithmic)
+    return Axis(name, first, last, count, log)
 
 
 def read_distribution(text: str) -> Distribution:

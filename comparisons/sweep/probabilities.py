@@ -18,10 +18,9 @@ from comparisons.sweep.spectra import Spectra
 
 Flags = NDArray[np.bool_]
 _QUANTILES = (0.05, 0.5, 0.95)
-_NEAR = 0.05
-"""Relative distance of eigenvalues that costs as much as orthogonal eigenvectors."""
-_LIKE = 0.5
-"""Largest cost of a match above 1; the cost is 1 - squared cosine + distance / _NEAR."""
+_ALIKE = 0.25
+"""Least squared cosine of the vectors of matched modes (MAC); it is 0.5 between each of two modes
+that coalesce and both modes that arise."""
 _FOLLOWED = 0.1
 """Fraction of samples with unmatched growing modes from which on single modes have no rows."""
 
@@ -29,17 +28,12 @@ _FOLLOWED = 0.1
 def continued(middle: ReducedSpectrum, found: ReducedSpectrum) -> Ints:
     """Return, for each mode of ``found``, the index of its match in ``middle``; -1 without one.
 
-    Modes are matched by shape and eigenvalue.
+    Modes are matched by shape alone, since a softer body changes all frequencies at once.
     """
-    numbers = np.full(len(found), -1, dtype=np.int64)
-    if not (len(middle) and len(found)):
-        return numbers
     one, other = (each.right / np.linalg.norm(each.right, axis=0) for each in (middle, found))
-    likeness = np.abs(one.conj().T @ other) ** 2
-    away = np.abs(middle.eigenvalues[:, None] - found.eigenvalues) / found.speeds
-    cost = 1 - likeness + np.minimum(away / _NEAR, 10.0)
-    for i, j in zip(*(each.tolist() for each in assign(cost, 1.0 + _LIKE)), strict=True):
-        numbers[j] = i
+    rows, columns = assign(1 - np.abs(one.conj().T @ other) ** 2, 1 - _ALIKE)
+    numbers = np.full(len(found), -1, dtype=np.int64)
+    numbers[columns] = rows
     return numbers
 
 

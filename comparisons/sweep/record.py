@@ -15,10 +15,7 @@ from comparisons.study.run_warnings import Run, merged_warnings
 from comparisons.sweep.points import Points
 from comparisons.sweep.scene import SweptScene
 from comparisons.sweep.spectra import UNSTABLE, Spectra
-from scenes import Result
 
-_NAMED = 100
-"""Largest number of uncertified points whose indices are recorded."""
 FoundAlong = tuple[dict[str, float], Found]
 """Values of the other fields on a line of the first field, and thresholds along the line."""
 
@@ -28,77 +25,53 @@ def record_of(
 ) -> dict[str, Any]:
     """Return the record of a sweep on bases, its thresholds not yet confirmed."""
     bound, tolerance = spectra.bound, bases[0].tolerance
-    left = np.flatnonzero(bound > tolerance)
     # Full solves at the border of two boxes serve both.
     solves = {tuple(each["point"].values()): each for basis in bases for each in basis.solves}
     failed = [each for basis in bases for each in basis.failed]
     growths = [each["max_growth"] for each in solves.values()]
-    return _common(scene, spectra, lines, failed, growths) | {
+    return common_record(scene, spectra, lines, failed, growths) | {
         "parameters": [list(each) for each in scene.names],
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
         "vectors": [basis.model.size for basis in bases],
         "snapshots": list(solves.values()),
-        "certified": len(bound) - len(left),
-        "not_certified": left[:_NAMED].tolist(),
+        "certified": int((bound <= tolerance).sum()),
         "lost_to_rounding": int(((bound > tolerance) & (spectra.worst <= tolerance)).sum()),
         "worst": float(bound.max()),
     }
 
 
-def record_of_full(
-    scene: SweptScene,
-    spectra: Spectra,
-    results: Sequence[Result | None],
-    failed: Sequence[Mapping[str, Any]],
-    why: str,
-) -> dict[str, Any]:
-    """Return the record of a sweep with a full solve at each point; ``why`` states the reason."""
-    growths = [float(each.modes.window.max_growth) for each in results if each is not None]
-    finite = [each for each in growths if np.isfinite(each)]
-    lines = [_between_points(scene.points, spectra, line) for line in scene.points.parts]
-    told = {"why": why, "snapshots": [], "certified": len(growths)}
-    return _common(scene, spectra, lines, failed, finite) | told
-
-
-def _common(
+def common_record(
     scene: SweptScene,
     spectra: Spectra,
     lines: Sequence[FoundAlong],
     failed: Sequence[Mapping[str, Any]],
     growths: Sequence[float | None],
 ) -> dict[str, Any]:
-    """Return the entries common to both records: fields, thresholds, failed solves."""
+    """Return the entries of every record: fields, thresholds, failed solves.
+
+    ``growths`` are growth rates (1/s) up to which full solves are complete; None is infinite.
+    """
     points = scene.points
-    above = np.flatnonzero(np.isfinite(spectra.above_growth))
     fields = [
         {"name": name, "ends": list(ends)}
         | ({"values": points.axes[i].tolist()} if points.axes else {"cut": points.cut[i]})
         for i, (name, ends) in enumerate(zip(points.names, points.ends, strict=True))
     ]
-    told: dict[str, Any] = {
+    return {
         "axes" if points.axes else "fields": fields,
         "values": len(points.values),
         "max_frequency": scene.window.max_frequency,
         "growth_threshold": scene.window.growth_threshold,
         "growing_at_first": bool((spectra.growth[0] > spectra.uncertainty[0]).any()),
-        "above": None,
         "failed": failed,
         "complete_to": min((each for each in growths if each is not None), default=None),
         "thresholds": [at | _plain(each) for at, line in lines for each in line.thresholds],
         "unresolved": [at | _plain(each) for at, line in lines for each in line.unresolved],
         "resolution": max((line.resolution for _, line in lines), default=0.0),
     }
-    if len(above):
-        first = int(above[0])
-        told["above"] = {
-            "point": dict(zip(points.names, points.values[first].tolist(), strict=True)),
-            "growth": float(spectra.above_growth[first]),
-            "frequency": float(spectra.above_frequency[first]),
-        }
-    return told
 
 
-def _between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
+def between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
     """Return thresholds between full solves, by differences of the number of unstable modes."""
     found, unstable = Found(), (spectra.verdict == UNSTABLE).sum(axis=1)
     answered = line[np.isfinite(spectra.worst[line])]
@@ -123,7 +96,11 @@ def _plain(found: Threshold | Unresolved) -> dict[str, Any]:
 
 
 def warnings_of(
-    data: Mapping[str, Any], tolerance: float, solves: Sequence[Run]
+    data: Mapping[str, Any],
+    points: Points,
+    spectra: Spectra,
+    tolerance: float,
+    solves: Sequence[Run],
 ) -> list[dict[str, Any]]:
     """Return the warnings of a sweep and of its full solves."""
     told: list[tuple[str, str]] = []
@@ -132,9 +109,8 @@ def warnings_of(
         what = f"values of {', '.join(axis['name'] for axis in data['axes'])}"
     elif left := data["values"] - data["certified"]:
         message = (
-            f"{left} of {data['values']} values are not certified to {tolerance:g}, the first with "
-            f"numbers {', '.join(map(str, data['not_certified'][:10]))}: see their error bounds, "
-            "or allow more full solves"
+            f"{left} of {data['values']} values are not certified to {tolerance:g}: see their "
+            "error bounds, or allow more full solves"
         )
         if data["lost_to_rounding"]:
             message += (
@@ -147,11 +123,15 @@ def warnings_of(
     if number := len(data["unresolved"]):
         message = f"{number} intervals are unresolved: thresholds may be missing there"
         told.append(("unresolved", message))
-    if above := data["above"]:
-        at = ", ".join(f"{name} = {value:.5g}" for name, value in above["point"].items())
+    above = np.flatnonzero(np.isfinite(spectra.above_growth))
+    if len(above):
+        first = above[0]
+        pairs = zip(points.names, points.values[first], strict=True)
+        at = ", ".join(f"{name} = {value:.5g}" for name, value in pairs)
         message = (
-            f"a mode at {above['frequency']:.6g} Hz has the growth rate {above['growth']:.5g} 1/s "
-            f"at {at}, above max_frequency = {data['max_frequency']:g} Hz; raise max_frequency"
+            f"a mode at {spectra.above_frequency[first]:.6g} Hz has the growth rate "
+            f"{spectra.above_growth[first]:.5g} 1/s at {at}, above max_frequency = "
+            f"{data['max_frequency']:g} Hz; raise max_frequency"
         )
         told.append(("above-window", message))
     for each in data.get("fields", ()):

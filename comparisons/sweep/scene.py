@@ -1,7 +1,6 @@
 """Scene of a sweep, whose pencil is solved at points, or which is run in full at each point."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -101,25 +100,20 @@ def mapped(
     assembled, contacts, bonded = _assembled(scene, overrides, data, saddle=True)
     pencil, names, least = assembled.driver.pencil, list[Mapping[str, float]](), list[float]()
     for field in fields:
-        own = stiffnesses_meant(contacts, field.name)
-        paths = {f"contacts.{contact}.P": p for contact, p in own.items()}
-        with _without_map():
-            of_p = {path: pencil.parameter(path).value / p for path, p in paths.items()}
-            names.append(of_p or dict.fromkeys(parameters_meant(pencil, field.name, bonded), 1.0))
+        names.append(_factors(pencil, contacts, bonded, field.name))
         meant = [pencil.parameter(name) for name in names[-1]]
         signed, positive = all(e.signed for e in meant), any(e.positive for e in meant)
         least.append(-np.inf if signed else np.finfo(float).tiny if positive else 0.0)
         if isinstance(assembled, AssembledScene) and assembled.depends_on_state(list(names[-1])):
             allowed = "a parameter on which the state of steady sliding does not depend"
             raise NoMapError("axis", field.name, allowed)
+        if any(each.fixed for each in meant):
+            allowed = "another parameter than those at which modal damping was computed"
+            raise NoMapError("axis", field.name, allowed)
     no_two_alike(names, [field.name for field in fields])
     found = SweptScene(assembled, table_of(fields, least, *samples), tuple(names))
-    for values in (found.point(each) for each in zip(*found.points.ends, strict=True)):
-        for name, value in values.items():
-            parameter = pencil.parameter(name)
-            # Modal damping was computed at the value of a fixed parameter.
-            with _without_map() if parameter.fixed else nullcontext():
-                parameter.check(value)
+    for values in zip(*found.points.ends, strict=True):
+        pencil.values(found.point(values))
     return found
 
 
@@ -150,10 +144,14 @@ def _assembled(
     return assembled, assembled.scene.contacts, assembled.bonded
 
 
-@contextmanager
-def _without_map() -> Iterator[None]:
-    """Turn an InputError inside the context into a NoMapError."""
+def _factors(
+    pencil: Pencil, contacts: Mapping[str, ContactSpec], bonded: Sequence[str], name: str
+) -> dict[str, float]:
+    """Return the parameters that a field sets, to factors on its value; NoMapError without any."""
+    own = stiffnesses_meant(contacts, name)
+    paths = {f"contacts.{contact}.P": p for contact, p in own.items()}
     try:
-        yield
+        of_p = {path: pencil.parameter(path).value / p for path, p in paths.items()}
+        return of_p or dict.fromkeys(parameters_meant(pencil, name, bonded), 1.0)
     except InputError as error:
         raise NoMapError(error.field, error.value, error.allowed) from error

@@ -1,6 +1,7 @@
 """A sweep: modes of a scene at a table of points, by a reduced model or by full solves."""
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -9,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Ints
-from cea.eigen.mumps import NoRoomError
 from cea.errors import ConvergenceError, require
 from cea.petsc import MPI
 from cea.ranks import agreed
@@ -20,13 +20,18 @@ from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import thresholds_along
 from comparisons.study.run_warnings import Run
-from comparisons.sweep.points import Axis, Field, Points
+from comparisons.sweep.points import Axis, Field, Points, as_plain
 from comparisons.sweep.probabilities import continued, probabilities
-from comparisons.sweep.record import FoundAlong, record_of, record_of_full, warnings_of
+from comparisons.sweep.record import (
+    FoundAlong,
+    between_points,
+    common_record,
+    record_of,
+    warnings_of,
+)
 from comparisons.sweep.scene import NoMapError, SweptScene, in_full, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
-from scenes import Result
 from scenes.checking.memory import factors_of
 from scenes.results.record import record
 from scenes.running.assembled import AssembledScene
@@ -85,7 +90,7 @@ class Asked:
 
     def plain(self) -> dict[str, Any]:
         """Return the options as plain data."""
-        fields = [each.plain() for each in self.fields]
+        fields = list(map(as_plain, self.fields))
         told: dict[str, Any] = {"scene": str(self.scene), "fields": fields}
         told |= {"set": list(self.overrides), "data": self.data, "full": self.full}
         if not self.grid:
@@ -122,20 +127,19 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
             why = str(error)
     if why:
         scene = in_full(*given)
-    store = None
+    store: Store | None = None
+    room: AbstractContextManager[None] = nullcontext()
+    if isinstance(scene.assembled, AssembledScene):
+        room = factors_of(scene.assembled.scene)
     try:
-        if why:
-            data, spectra, solves = _run_in_full(scene, why, progress)
-        else:
-            store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
-            data, spectra = _on_bases(asked, scene, store, progress)
-            data["stored_before"] = store.stored
-            solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
-    except NoRoomError:
-        if not isinstance(scene.assembled, AssembledScene):
-            raise
-        with factors_of(scene.assembled.scene):  # raises it again with the field of a mesh
-            raise
+        with room:
+            if why:
+                data, spectra, solves = _run_in_full(scene, why, progress)
+            else:
+                store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
+                data, spectra = _on_bases(asked, scene, store, progress)
+                data["stored_before"] = store.stored
+                solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
     finally:
         scene.driver.free()
     told = record(
@@ -143,7 +147,7 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
         data,
         inputs=asked.plain(),
         seconds=perf_counter() - begun,
-        warnings=warnings_of(data, asked.tolerance, solves),
+        warnings=warnings_of(data, scene.points, spectra, asked.tolerance, solves),
     )
     return Swept(told, scene.points, spectra, store)
 
@@ -324,16 +328,20 @@ def _run_in_full(
     scene: SweptScene, why: str, progress: Callable[[str], None]
 ) -> tuple[dict[str, Any], Spectra, list[Run]]:
     """Return the record, modes and warnings of a sweep with a full solve at each point."""
-    points, results, failed = scene.points, list[Result | None](), list[dict[str, Any]]()
-    solves: list[Run] = []
+    points, rows, solves = scene.points, list[dict[str, Any]](), list[Run]()
+    failed, growths = list[dict[str, Any]](), list[float | None]()
     for values in points.values.tolist():
-        at = dict(zip(points.names, values, strict=True))
+        at, result = dict(zip(points.names, values, strict=True)), None
         progress(", ".join(f"{name} = {value:g}" for name, value in at.items()))
         try:
-            results.append(result := scene.run(values))
+            result = scene.run(values)
             solves.append((at, [warning.plain() for warning in result.warnings]))
+            growth = float(result.modes.window.max_growth)
+            growths.append(growth if np.isfinite(growth) else None)
         except ConvergenceError as error:
-            results.append(None)
             failed.append({"point": at, "reason": str(error)})
-    spectra = Spectra.of_rows([row_of_result(each, len(points.names)) for each in results])
-    return record_of_full(scene, spectra, results, failed, why), spectra, solves
+        rows.append(row_of_result(result, len(points.names)))
+    spectra = Spectra.of_rows(rows)
+    lines = [between_points(points, spectra, line) for line in points.parts]
+    told = {"why": why, "snapshots": [], "certified": len(solves)}
+    return common_record(scene, spectra, lines, failed, growths) | told, spectra, solves

@@ -15,7 +15,6 @@ import numpy as np
 from scipy.io import loadmat, mminfo, mmread
 from scipy.sparse import coo_array, issparse, load_npz
 
-_HDF, _NEWER = b"\x89HDF", b"MATLAB 7.3"
 _PETSC_MATRIX = 1211216
 """First number of a matrix in PETSc's binary format."""
 _COORDINATES, _LABELS = 3, 5
@@ -51,10 +50,6 @@ def main(file: str, arrays: str) -> None:
 
 def _matlab(file: str) -> dict[str, Any]:
     """Return matrices by name; skip tables, texts and arrays of more dimensions."""
-    with Path(file).open("rb") as stream:
-        begin = stream.read(len(_NEWER))
-    if begin.startswith(_HDF) or begin == _NEWER:
-        raise ValueError("MATLAB's format to version 7.2: save it with save(..., '-v7')")
     return {
         name: matrix
         for name, matrix in loadmat(file).items()

@@ -1,6 +1,6 @@
 """Drawings of modes: deformed bodies at the phase of largest deflection, coloured by magnitude."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import BytesIO
 from typing import Any
 
@@ -35,11 +35,8 @@ def draw_mode(surfaces: Sequence[Any], title: str) -> Image.Image:
     size = float(np.linalg.norm(np.ptp(np.concatenate(at_rest), axis=0)))
     ends = np.cumsum([len(shape) for shape in shapes])[:-1]
     drawn = np.split(DEFLECTION * size * turned.real / largest, ends)
-    # VTK warns that there is no display before it renders off screen.
-    with pyvista.vtk_verbosity("off"):
-        plotter = pyvista.Plotter(off_screen=True, window_size=list(_WINDOW))
-        plotter.set_background("white")
-        plotter.enable_anti_aliasing("ssaa")
+
+    def add(plotter: pyvista.Plotter) -> None:
         for surface, u in zip(surfaces, drawn, strict=True):
             surface.point_data["drawn"] = u
             surface.point_data["deflection"] = np.linalg.norm(u, axis=1) / (DEFLECTION * size)
@@ -58,10 +55,23 @@ def draw_mode(surfaces: Sequence[Any], title: str) -> Image.Image:
                 ambient=0.25,
                 scalar_bar_args=bar("displacement / largest", "%.1f"),
             )
+
+    seen = np.concatenate([*at_rest, *(x + u for x, u in zip(at_rest, drawn, strict=True))])
+    return picture(add, title, view_of(at_rest), seen)
+
+
+def picture(
+    add: Callable[[pyvista.Plotter], None], title: str, view: Floats, seen: Floats
+) -> Image.Image:
+    """Return a picture of what ``add`` adds to a plotter, along ``view``, fitted to points."""
+    with pyvista.vtk_verbosity("off"):  # VTK warns that there is no display
+        plotter = pyvista.Plotter(off_screen=True, window_size=list(_WINDOW))
+        plotter.set_background("white")
+        plotter.enable_anti_aliasing("ssaa")
+        add(plotter)
         text = plotter.add_title(title, font_size=15, color="#222222")
         text.SetPosition(0.5, 0.93)
-        seen = np.concatenate([*at_rest, *(x + u for x, u in zip(at_rest, drawn, strict=True))])
-        aim(plotter.camera, view_of(at_rest), seen, _WINDOW)
+        aim(plotter.camera, view, seen)
         image = Image.fromarray(plotter.screenshot(return_img=True))
         plotter.close()
     return image
@@ -113,7 +123,7 @@ def view_of(bodies: Sequence[Floats]) -> Floats:
     return np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
 
 
-def aim(camera: Any, view: Floats, points: Floats, window: tuple[int, int]) -> None:
+def aim(camera: Any, view: Floats, points: Floats) -> None:
     """Set a parallel projection along ``view`` that fits the points into the window."""
     upright = np.array([0.0, 1.0, 0.0]) if abs(view[2]) > _STEEP else np.array([0.0, 0.0, 1.0])
     right = np.cross(upright, view)
@@ -123,7 +133,7 @@ def aim(camera: Any, view: Floats, points: Floats, window: tuple[int, int]) -> N
     low, high = seen.min(axis=0), seen.max(axis=0)
     width, height, depth = high - low
     # Space above for the title and below for the colour bar.
-    scale = 0.5 * max(height / 0.72, width * window[1] / window[0] / 0.9)
+    scale = 0.5 * max(height / 0.72, width * _WINDOW[1] / _WINDOW[0] / 0.9)
     focus = axes.T @ ((low + high) / 2 - [0.0, 0.06 * scale, 0.0])
     camera.enable_parallel_projection()
     camera.focal_point = focus

@@ -5,7 +5,6 @@ resampling.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -31,9 +30,8 @@ _CELL_TYPES = {
     ("bezier", False, 3): pyvista.CellType.BEZIER_HEXAHEDRON,
 }
 
-_MERGED, _OFF_GRID = 1e-6, 0.2113
-"""Cell size of the lattice on which points are merged, relative to the diagonal of a body, and its
-shift, so that round numbers do not lie on a boundary of lattice cells."""
+_MERGED = 1e-6
+"""Distance of points that are merged, relative to the diagonal of a body."""
 FEATURE_ANGLE = 30.0
 """Angle between triangles (degrees) above which their common edge is drawn as sharp."""
 _SIMPLICES: dict[int, Any] = {2: vtkHigherOrderTriangle, 3: vtkHigherOrderTetra}
@@ -64,30 +62,16 @@ def cell_grid(cells: VolumeCells) -> Any:
     return grid
 
 
-def merged(cells: VolumeCells) -> VolumeCells:
-    """Return cells with coincident points merged, so that interior faces can be identified."""
-    x = cells.points
-    size = float(np.linalg.norm(np.ptp(x, axis=0)))
-    grid = np.round(x / (_MERGED * size) + _OFF_GRID)
-    _, first, number = np.unique(grid, axis=0, return_index=True, return_inverse=True)
-    return replace(
-        cells,
-        points=x[first],
-        weights=cells.weights[first],
-        cells=number.reshape(-1)[cells.cells],
-        values=cells.values[first],
-    )
-
-
 def outside(cells: VolumeCells, fields: Mapping[str, Floats], subdivisions: int) -> Any:
     """Return the triangulated outer surface of a body with vectors at points (``PolyData``).
 
-    Points of the cells must be merged (:func:`merged`); curved cells are subdivided.
+    Coincident points are merged, so that interior faces are found; curved cells are subdivided.
     """
     grid = cell_grid(cells)
     for name, values in fields.items():
         grid.point_data[name] = in_space(values)
-    surface = grid.extract_surface(
+    size = float(np.linalg.norm(np.ptp(cells.points, axis=0)))
+    surface = grid.clean(tolerance=_MERGED * size).extract_surface(
         nonlinear_subdivision=subdivisions, pass_cellid=True, algorithm="dataset_surface"
     )
     return surface.triangulate()

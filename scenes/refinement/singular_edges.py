@@ -53,12 +53,17 @@ def singular_edges(scene: Scene, name: str) -> SingularEdges:
     The result is empty if no edge is singular, or the shape has no faces normal to coordinates.
     """
     body = scene.bodies[name]
-    found = [
-        *_clamped(body),
-        *_contact_edges(scene, name),
-        *_re_entrant(body.geometry),
-        *_boundaries_on(scene, name, stiff=True),
-    ]
+    faces = []  # that are clamped, or sides a of stiff contacts
+    for support in body.supports:
+        clamped = len(set(support.components)) in (0, body.dim)
+        if clamped and support.components != ("normal",):
+            faces.append(support.surface)
+    for contact in scene.contacts.values():
+        owner, _, surface = contact.a.partition(".")
+        if owner == name and _is_stiff(scene, contact):
+            faces.append(surface)
+    found = [edge for face in faces for edge in _edges(body, face)]
+    found += [*_re_entrant(body.geometry), *_boundaries_on(scene, name, stiff=True)]
     inner = [place for _, place in _boundaries_on(scene, name, stiff=False)]
     edges = tuple(dict(edge) for edge in dict.fromkeys(found))
     return SingularEdges(edges, _by_direction(inner))
@@ -71,22 +76,6 @@ def _by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:
 
 def _ranges(shape: Shape) -> dict[str, tuple[float, float]]:
     return dict(zip(shape.directions, shape.extent, strict=True))
-
-
-def _clamped(body: BodySpec) -> Iterator[Edge]:
-    """Yield the edges of clamped faces."""
-    dim = len(body.geometry.directions)
-    for support in body.supports:
-        if len(set(support.components)) in (0, dim) and support.components != ("normal",):
-            yield from _edges(body, support.surface)
-
-
-def _contact_edges(scene: Scene, name: str) -> Iterator[Edge]:
-    """Yield the edges of the sides a of stiff contacts on this body."""
-    for contact in scene.contacts.values():
-        owner, _, surface = contact.a.partition(".")
-        if owner == name and _is_stiff(scene, contact):
-            yield from _edges(scene.bodies[name], surface)
 
 
 def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:

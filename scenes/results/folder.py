@@ -5,12 +5,11 @@ belong to the user and are kept.
 """
 
 import json
-import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
-from tempfile import TemporaryFile, mkdtemp
+from tempfile import TemporaryDirectory, TemporaryFile
 from typing import Any
 
 from cea.errors import InputError, WriteError
@@ -83,20 +82,19 @@ def new_folder(out: Path, *, root: bool = True) -> Iterator[NewFolder]:
     if not root:
         yield NewFolder(out, out)
         return
-    part = out
+    part = ""
     try:
         out.mkdir(parents=True, exist_ok=True)
-        part = Path(mkdtemp(dir=out, prefix=".", suffix=".part"))
-        new = NewFolder(part, out)
-        yield new
-        _take_place(new)
+        with TemporaryDirectory(
+            dir=out, prefix=".", suffix=".part", ignore_cleanup_errors=True
+        ) as part:
+            new = NewFolder(Path(part), out)
+            yield new
+            _take_place(new)
     except WriteError as error:
-        raise WriteError(str(error).replace(str(part), str(out))) from error
+        raise WriteError(str(error).replace(part, str(out))) from error
     except OSError as error:
         raise WriteError(f"{out} cannot be written: {error.strerror or error}") from error
-    finally:
-        if part != out:
-            shutil.rmtree(part, ignore_errors=True)
 
 
 def listed(out: Path) -> list[str]:

@@ -90,14 +90,17 @@ def match_runs(
     second: Result,
     first_modes: NDArray[np.int64] | None = None,
     second_modes: NDArray[np.int64] | None = None,
+    *,
     near: float = NEAR,
     limit: float | None = ALONE,
 ) -> ModeMatch:
     """Pair modes of two runs of one scene by shape on the contact surfaces and by eigenvalue.
 
-    Scenes without contacts are compared on all surfaces. Options are as of :func:`match_modes`.
+    Scenes without contacts are compared on all surfaces. ``near`` and ``limit`` are those of
+    :func:`match_modes`; indices of the matches count the given modes.
     """
-    return match_modes(*_mode_sets(first, second, first_modes, second_modes), near, limit)
+    sets = _mode_sets(first, second, first_modes, second_modes)
+    return match_modes(*sets, near=near, limit=limit)
 
 
 def _mode_sets(

@@ -38,8 +38,6 @@ _PACKAGES = {
     "pyvista": "pyvista",
     _PACKAGE: _PACKAGE,
 }
-_LARGEST = 2**30
-"""Largest number of bytes of JSON read, a limit for decompressed files."""
 _INFINITIES = {"inf": inf, "-inf": -inf}
 
 
@@ -124,10 +122,7 @@ def read_record(file: str | Path) -> dict[str, Any]:
     path = Path(file)
     try:
         with (gzip.open if path.suffix == ".gz" else open)(regular(path), "rb") as stream:
-            content = stream.read(_LARGEST + 1)
-        if len(content) > _LARGEST:
-            raise ValueError(f"more than {_LARGEST} bytes")
-        data = json.loads(content, parse_constant=_no_number)
+            data = json.load(stream, parse_constant=_no_number)
     except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
         raise InputError("file", str(file), f"a stored result: {error}") from error
     if not isinstance(data, dict):

@@ -267,9 +267,9 @@ class Result:
     def images(self, modes: Sequence[int]) -> Iterator["Image"]:
         """Yield images of modes by index on rank 0; nothing on others; collective at the start."""
         from scenes.pictures.drawing import SUBDIVISIONS, draw_mode  # imports pyvista
-        from scenes.pictures.grids import merged, outside
+        from scenes.pictures.grids import outside
 
-        cells = {name: merged(body.space.volume_cells()) for name, body in self.bodies.items()}
+        cells = {name: body.space.volume_cells() for name, body in self.bodies.items()}
         shapes = {
             name: self.mode_shapes(name, each.values, modes, everywhere=False)
             for name, each in cells.items()

@@ -1,6 +1,6 @@
 """Checks of a scene that involve more than one field, after each field is valid by itself."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from math import inf
 from typing import Any
@@ -31,8 +31,6 @@ LARGEST, SMALLEST = 1e30, 1e-30
 and products of a few of them neither overflow nor underflow."""
 MAX_ELEMENTS = 10**6
 """Largest number of elements along one direction."""
-MAX_ITEMS = 200
-"""Largest number of bodies, contacts, loads of a scene, and of supports and springs of a body."""
 _LONGEST = 100
 """Largest number of characters in a name."""
 _PARTING = set(".,[] ")
@@ -94,17 +92,12 @@ def consistent[S: Any](scene: S) -> S:
 
 
 def _limit_checks(faults: Faults, scene: Scene) -> None:
-    """Check the lengths and characters of names, numbers of items and magnitudes of numbers."""
+    """Check the lengths and characters of names and the magnitudes of numbers."""
     need = faults.require
     check_scene_name(faults, scene.name)
-    counts = {name: len(getattr(scene, name)) for name in ("bodies", "contacts", "loads")}
     names = [(kind, name) for kind in ("bodies", "contacts") for name in getattr(scene, kind)]
     for name, body in scene.bodies.items():
-        counts[f"bodies.{name}.supports"] = len(body.supports)
-        counts[f"bodies.{name}.springs"] = len(body.springs)
         names += [(f"bodies.{name}.geometry.faces", each) for each in body.geometry.surfaces]
-    for place, count in counts.items():
-        need(count <= MAX_ITEMS, place, f"{count} of them", f"at most {MAX_ITEMS}")
     allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
     for place, name in names:
         fits = 0 < len(name) <= _LONGEST and name.isprintable() and not set(name) & _PARTING
@@ -174,8 +167,12 @@ def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotat
     if any(each.field.startswith(f"{place}.") for each in faults):
         return
     axis, here = body.placement.rotation[:, 2], body.placement.translation
-    parallel, on_axis = _are_parallel(axis, rotation.axis), _is_on_axis(body, rotation.origin)
-    faults.require(parallel, f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
+    given = of_size_one(rotation.axis)
+    parallel = bool(np.linalg.norm(np.cross(axis, given)) <= _ASIDE * np.linalg.norm(given))
+    allowed = f"along {axis.tolist()}"
+    faults.require(parallel, f"{place}.rotation.axis", rotation.axis, allowed)
+    arm = np.cross(axis, np.array([*rotation.origin, 0.0])[:3] - here)
+    on_axis = bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])
     allowed = f"a point on the axis of the body, e.g. {list(here)}"
     faults.require(on_axis, f"{place}.rotation.origin", rotation.origin, allowed)
     law, strains = body.material.elasticity, np.square(np.arange(1.0, dim**2 + 1))
@@ -214,18 +211,6 @@ def _turns(tensor: _Tensor, rotation: Rotation, dim: int) -> bool:
     return bool(np.abs(here - there).max() <= _ASIDE * np.abs(here).max())
 
 
-def _are_parallel(one: Iterable[float], other: Iterable[float]) -> bool:
-    first, second = (of_size_one(tuple(each)) for each in (one, other))
-    sine = np.linalg.norm(np.cross(first, second)) / np.linalg.norm(first) / np.linalg.norm(second)
-    return bool(sine <= _ASIDE)
-
-
-def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
-    x = np.array([*point, 0.0])[:3]
-    arm = np.cross(body.placement.rotation[:, 2], x - body.placement.translation)
-    return bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])
-
-
 def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     """Check cells, numbers and sizes of elements against the shape."""
     shape, fe, iga, degree = body.geometry, body.mesh.fe, body.mesh.iga, body.mesh.degree
@@ -242,8 +227,14 @@ def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
         allowed = f"{most / MAX_ELEMENTS:.3g} to {most:.3g} (m), the length of the body"
         need(most / MAX_ELEMENTS <= fe.size <= most, f"{place}.fe.size", fe.size, allowed)
     if isinstance(shape, VentilatedDisc):
-        if fe is not None:
-            _unstructured_checks(faults, f"{place}.fe", fe)
+        if fe is not None:  # unstructured
+            tetrahedra, curved = fe.cell == "tetrahedron", fe.geometry_degree or fe.degree
+            need(tetrahedra, f"{place}.fe.cell", fe.cell, "tetrahedron for this shape")
+            sized, allowed = fe.size is not None, "left out for this shape: give size"
+            need(sized or not tetrahedra, f"{place}.fe.elements", fe.elements, allowed)
+            allowed = f"1 to {MAX_CURVED} for this shape, independent of the degree of the elements"
+            at = f"{place}.fe.geometry_degree"
+            need(curved <= MAX_CURVED, at, fe.geometry_degree, allowed)
         return
     lists: dict[str, tuple[int, ...] | None] = {}
     if fe is not None:
@@ -258,16 +249,6 @@ def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     for name, one in (("fe", fe), ("iga", iga)):
         if one is not None and one.elements is not None and len(one.elements) == body.dim:
             _elements_checks(faults, f"{place}.{name}", body, one)
-
-
-def _unstructured_checks(faults: Faults, place: str, fe: FeMesh) -> None:
-    tetrahedra = fe.cell == "tetrahedron"
-    faults.require(tetrahedra, f"{place}.cell", fe.cell, "tetrahedron for this shape")
-    sized = not tetrahedra or fe.size is not None
-    faults.require(sized, f"{place}.elements", fe.elements, "left out for this shape: give size")
-    straight = (fe.geometry_degree or fe.degree) <= MAX_CURVED
-    allowed = f"1 to {MAX_CURVED} for this shape, independent of the degree of the elements"
-    faults.require(straight, f"{place}.geometry_degree", fe.geometry_degree, allowed)
 
 
 def _elements_checks(faults: Faults, place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> None:

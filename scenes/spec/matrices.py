@@ -16,13 +16,7 @@ from pydantic import ConfigDict, TypeAdapter
 from cea.eigen.coefficients import Parameter
 from cea.errors import InputError
 from cea.expressions import RESERVED, Formula
-from scenes.spec.consistency import (
-    LARGEST,
-    MAX_ITEMS,
-    SMALLEST,
-    check_no_steady_state,
-    check_scene_name,
-)
+from scenes.spec.consistency import LARGEST, SMALLEST, check_no_steady_state, check_scene_name
 from scenes.spec.plain import OF_MATRICES, changed, checked, scene_file, set_fields, tables_of
 from scenes.spec.problems import Faults, SceneError
 from scenes.spec.reading import ComplexEigenvalueAnalysis
@@ -177,10 +171,6 @@ def _checks(scene: MatrixScene) -> Faults:
     check_no_steady_state(faults, analysis, "left out: matrices have no contacts")
     names = [f"files.{name}" for name in scene.files]
     names += [f"{PARAMETERS}.{name}" for name in scene.parameters]
-    if len(names) > MAX_ITEMS:
-        value = f"{len(names)} files and parameters"
-        faults.append(InputError("files", value, f"at most {MAX_ITEMS}"))
-        return faults
     for place in names:
         name = place.partition(".")[2]
         fits = name.isidentifier() and name.isascii() and name not in RESERVED

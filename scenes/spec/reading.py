@@ -4,7 +4,7 @@ A scene consists of frozen dataclasses, each of which validates its own fields.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -220,11 +220,6 @@ class Scene:
             If a body has no mesh for the backend, or the backend lacks a formulation.
         """
         return self.change({f"bodies.{name}.backend": backend for name in self.bodies})
-
-
-def with_contact(scene: Scene, **changes: Any) -> Scene:
-    """Return the scene with fields of every contact changed, without validation."""
-    return replace(scene, contacts={n: replace(c, **changes) for n, c in scene.contacts.items()})
 
 
 def load_scene(

@@ -242,6 +242,15 @@ def test_a_fluttering_pair_that_three_modes_cross_stays_one():
     assert [each.kind for each in near(found, 0.2)] == ["flutter"]
 
 
+def test_many_modes_that_cross_are_resolved():
+    """Crossings are found where intervals are cut at the place that an interpolant names."""
+    modes = np.random.default_rng(3).uniform([0.3, -1.0], [4.0, 1.0], (12, 2))
+    line = coupled_pairs([(1.0, 0.01, 5.0, 6.0)], end=3.0, singles=modes.tolist())
+    found = thresholds_along(line, np.linspace(0, 1, 5).tolist())
+    assert not found.unresolved
+    assert found.spectra < 120
+
+
 @pytest.mark.parametrize("damping", DAMPINGS)
 def test_modes_that_diverge_are_told_apart_from_flutter(damping):
     line = coupled_pairs([(1.0, 0.3, 5.0, 6.0)], end=3.0, singles=[(0.4, -1.0)], damping=damping)

@@ -10,16 +10,14 @@ from matrix_files import dense, inside, pieces, read_here, scene, write
 from petsc_matrices import quadratic_eigenvalues
 from scipy.io import mmwrite
 from scipy.sparse import csr_array
+from sweep_cases import eigenvalues, sweep_of
 
 from cea.errors import InputError
 from comparisons.bench import matrices
 from comparisons.study.run import run
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.page import read_sweep
-from comparisons.sweep.points import read_axis
 from comparisons.sweep.spectra import UNSTABLE
-from comparisons.sweep.study import Asked
-from comparisons.sweep.study import run as run_sweep
 from scenes.spec.matrices import read_matrix_scene
 from scenes.spec.plain import scene_text
 
@@ -36,9 +34,6 @@ def _read_here(monkeypatch):
     monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
 
 
-SPEEDS = [1.0, 1.5, 2.0, 2.5, 3.0]
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Files of matrices, and a scene of them that lies elsewhere."""
@@ -47,17 +42,6 @@ def folder(tmp_path_factory):
     text = scene_text(read_matrix_scene(scene()))
     (folder / "elsewhere" / "speed.toml").write_text(text)
     return folder
-
-
-def in_full(toml, axis, data):
-    """A sweep that is solved in full at each value."""
-    return run_sweep(Asked(toml, (read_axis(axis),), data=data, full=True), Path(data))
-
-
-def at(swept, i):
-    """Eigenvalues at a value of a sweep."""
-    there, spectra = swept.spectra.there[i], swept.spectra
-    return spectra.growth[i][there] + 2j * np.pi * spectra.frequency[i][there]
 
 
 def write_here(**files):
@@ -114,12 +98,11 @@ def test_faults_are_told_in_a_line(line, field, told, cea, tmp_path):
 
 
 def test_a_sweep_finds_at_each_value_what_lapack_finds(folder):
-    swept = in_full(folder / "elsewhere" / "speed.toml", "parameters.v=1:3:5", str(folder))
-    assert swept.points.values[:, 0].tolist() == SPEEDS
-    for i, speed in enumerate(SPEEDS):
-        np.testing.assert_allclose(at(swept, i), inside(dense(pieces(), speed)), rtol=1e-9)
+    toml, axis = folder / "elsewhere" / "speed.toml", "parameters.v=1:3:5"
+    swept = sweep_of(toml, [axis], folder, data=str(folder), full=True)
+    for i, speed in enumerate([1.0, 1.5, 2.0, 2.5, 3.0]):
+        np.testing.assert_allclose(eigenvalues(swept, i), inside(dense(pieces(), speed)), rtol=1e-9)
     assert swept.record["failed"] == []
-    assert swept.record["command"] == "sweep"
 
 
 def test_a_race_is_one_of_the_same_eigenvalues(folder):
@@ -144,7 +127,7 @@ def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():
     assert made.record["inputs"]["data"] == "tu_berlin_brake"
     assert not made.record["failed"]
     np.testing.assert_allclose(made.points.axes[0], np.linspace(2, 8, 25) * np.pi, rtol=1e-15)
-    growths = sorted(f"{growth:.3e}" for growth in at(made, 8).real)
+    growths = sorted(f"{growth:.3e}" for growth in eigenvalues(made, 8).real)
     assert growths == sorted(f"{float(growth):.3e}" for growth in PUBLISHED.split())
     unstable = (made.spectra.verdict == UNSTABLE).sum(axis=1)
     assert unstable.tolist() == [4, *[5] * 8, *[6] * 10, *[7] * 6]
@@ -153,7 +136,8 @@ def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():
 
 @pytest.mark.slow
 def test_the_stored_sweep_of_the_brake_is_what_is_computed():
-    data, ends = str(external("tu_berlin_brake")), f"{2 * np.pi!r}:{8 * np.pi!r}"
-    made, stored = in_full("tu_berlin", f"parameters.Omega={ends}:4", data), read_sweep(STORED)
+    data, axis = str(external("tu_berlin_brake")), f"parameters.Omega={2 * np.pi!r}:{8 * np.pi!r}:4"
+    made = sweep_of("tu_berlin", [axis], data, data=data, full=True)
+    stored = read_sweep(STORED)
     for i in range(4):
-        np.testing.assert_allclose(at(made, i), at(stored, 8 * i), rtol=1e-11)
+        np.testing.assert_allclose(eigenvalues(made, i), eigenvalues(stored, 8 * i), rtol=1e-11)

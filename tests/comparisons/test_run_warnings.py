@@ -7,11 +7,10 @@ import pytest
 from blocks import rectangle
 
 from comparisons.study.run_warnings import kinds_at
-from comparisons.sweep.page import read_sweep
+from comparisons.sweep.page import read_sweep, values
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.study import Asked, run
-from comparisons.sweep.tables import values
 from scenes import load_scene, read_scene, run_modes
 from scenes.spec.plain import scene_text
 

@@ -8,8 +8,10 @@ from reference_data import stored
 from sweep_cases import MU, assert_within_bounds, made_once, sine_blocks
 
 from cea.reduced.full_solves import first_threshold
+from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.window import Window
 from comparisons.sweep.points import read_fields
-from comparisons.sweep.probabilities import growing, probabilities
+from comparisons.sweep.probabilities import continued, growing, probabilities
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.study import Asked, run
@@ -95,6 +97,24 @@ def test_single_modes_have_rows_where_nearly_all_are_followed():
     (mode,) = told["modes"]
     assert (mode["mode"], mode["grows"], mode["seen"]) == (0, grows[5:].sum(), 95)
     assert not probabilities(spectra(50), 0.0, damped=True)["modes"]
+
+
+def test_modes_are_matched_by_shape():
+    """Where all frequencies rise, or shapes mix as two modes coalesce; a new mode has no match."""
+
+    def spectrum(kappa, right):
+        none = np.zeros(len(kappa))
+        window = Window.up_to(1.0, damped=False)
+        return ReducedSpectrum(none, none, none, none, none, kappa + 0j, right + 0j, right, window)
+
+    shapes, kappa = np.eye(4), np.array([10.0, 12.0, 14.0])
+    middle = spectrum(kappa, shapes[:, :3])
+    softer = spectrum(kappa * 12 / 14, shapes[:, :3])
+    assert continued(middle, softer).tolist() == [0, 1, 2]
+    pair = np.stack([shapes[0] + 1j * shapes[1], shapes[0] - 1j * shapes[1], shapes[3]], axis=1)
+    numbers = continued(middle, spectrum(kappa, pair))
+    assert sorted(numbers[:2]) == [0, 1]
+    assert numbers[2] == -1
 
 
 def test_samples_are_those_of_full_solves(backend, tmp_path):

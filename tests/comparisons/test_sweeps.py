@@ -23,12 +23,11 @@ from sweep_cases import (
 )
 
 from cea.errors import InputError
-from comparisons.sweep.page import read_sweep
+from comparisons.sweep.page import read_sweep, thresholds, values
 from comparisons.sweep.points import read_axis, read_fields
 from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.store import fingerprint
 from comparisons.sweep.study import Asked, run
-from comparisons.sweep.tables import sensitivities, thresholds, values
 from scenes import load_scene, run_modes
 
 WAY = "contacts.interface.friction_direction_on_a"
@@ -76,7 +75,6 @@ def test_values_and_slopes_are_those_of_full_solves(made, backend):
             off = np.abs(slope[rows] - expected[columns])
             bound = 1e-4 * np.abs(expected[columns]) + 1e-7 * np.abs(expected).max()
             assert (off < bound).all()
-    assert len(sensitivities(swept)) == np.isfinite(spectra.largest).sum() > 0
 
 
 @pytest.mark.grid(quick=1)
@@ -204,7 +202,7 @@ def test_maps_that_are_none_are_refused():
         mapped("blocks", [read_axis("mu=-1:1:3")])
     modal = "bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}"
     axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
-    with pytest.raises(NoMapError, match="at which modal damping was computed"):
+    with pytest.raises(NoMapError, match="modal damping"):
         mapped("disc_pad_damped", [axis], (*COARSE_DISC, modal))
 
 

@@ -90,9 +90,3 @@ def nodes(deck):
         for card in of(deck, "NODE")
         for row in card.rows
     }
-
-
-def elements(deck, name):
-    """Type of the elements of a set, and their nodes by number."""
-    (card,) = of(deck, "ELEMENT", ELSET=name)
-    return card.parameters["TYPE"], {int(n): list(map(int, rest)) for n, *rest in card.rows}

@@ -1,6 +1,5 @@
 """Bad input is refused: by name, in bounded time and memory, and by nothing but a refusal."""
 
-import gzip
 import json
 from math import inf, nan
 
@@ -21,8 +20,6 @@ from bad_inputs import (
     valid,
     with_value,
 )
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from cea.errors import ConvergenceError, InputError
 from cea.expressions import Expression, Formula
@@ -32,20 +29,6 @@ from scenes.results.record import read_record, write_record
 SEED = 12
 RUNS = 200
 """Changed scenes that are run."""
-quickly = settings(
-    max_examples=60,
-    deadline=None,  # hangs are told by `patience`; a loaded machine is slow
-    derandomize=True,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
-)
-numbers = st.floats() | st.integers() | st.integers(10**300, 10**310)
-plain = st.recursive(
-    st.none() | st.booleans() | numbers | st.text(max_size=20),
-    lambda part: (
-        st.lists(part, max_size=4) | st.dictionaries(st.text(max_size=8), part, max_size=4)
-    ),
-    max_leaves=20,
-)
 
 
 def met_badly(found):
@@ -128,26 +111,11 @@ def test_what_is_read_runs_or_is_refused(tmp_path):
             done += 1
 
 
-@quickly
-@given(st.sampled_from(NAMES), st.data())
-def test_random_values_in_random_places(name, data):
-    scene = valid(name)
-    path = data.draw(st.sampled_from(list(places(scene))))
-    read_or_refused(read_scene, with_value(scene, path, data.draw(plain)))
-
-
 def values(text):
     """A formula and its derivative at a point."""
     formula = Formula(text, {"x": "parameters.x", "y": "parameters.y"})
     at = {"parameters.x": 0.3, "parameters.y": -2.0}
     return [formula.at(at), formula.derivative("parameters.x", at)]
-
-
-@quickly
-@given(st.text(alphabet="xy0123456789.+-*/()<>=&|^, sincoexplgqrtb", max_size=50))
-def test_random_formulas_give_a_finite_number_or_a_refusal(text):
-    found = read_or_refused(values, text)
-    assert found is None or np.isfinite(found).all()
 
 
 @pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:20])
@@ -204,21 +172,12 @@ def test_faults_are_told_together_those_of_single_fields_first(settings, told):
     assert [fault.field for fault in caught.value.faults] == list(told.values())
 
 
-def test_faults_of_a_body_that_rotates_are_told_beside_those_of_others():
-    wrong = ["bodies.pad.supports=[{surface='nowhere'}]"]
-    wrong += ["bodies.disc.supports=[{surface='inner',components=['x']}]"]
-    with pytest.raises(SceneError) as caught:
-        load_scene("disc_pad_damped", wrong)
-    assert {fault.field.split(".")[1] for fault in caught.value.faults} == {"disc", "pad"}
-
-
 @pytest.mark.parametrize(
     "content",
     [
         b"\xff\xfe\x00name",
         b"\x00" * 1000,
         b"name = 'a",
-        b"a." * 100_000 + b"b = 1",
         b"a = " + b"[" * 100_000,
         b"a = " + b"9" * 5000,
         b"name = 1979-05-27",
@@ -231,14 +190,6 @@ def test_files_that_are_no_scene(content, tmp_path):
     with patience(10), pytest.raises(SceneError) as caught:
         load_scene(file)
     assert all(len(line) < 2000 for line in str(caught.value).splitlines())
-
-
-def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path, monkeypatch):
-    monkeypatch.setattr("scenes.results.record._LARGEST", 10**6)
-    file = tmp_path / "r.json.gz"
-    file.write_bytes(gzip.compress(b"[" + b"0," * 10**6 + b"0]"))
-    with pytest.raises(InputError, match="more than"):
-        read_record(file)
 
 
 @pytest.fixture(scope="module")

@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS, ROTATED, alone, block, rectangle
+from blocks import FORMULATIONS, rectangle
 from covering import covering
-from motions import resultant
 
-from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.timing import StageTimer
 from scenes import load_scene, read_scene, run_modes, run_scene
 from scenes.building.build import build_bodies, build_contacts, build_system
-from scenes.spec.reading import with_contact
 
 
 def system_of(scene):
@@ -31,25 +28,6 @@ def test_a_run_repeats_itself_to_the_last_bit(backend, form):
     assert len(first) > 5
     for name in ("eigenvalues", "growth_uncertainties", "conditions"):
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
-
-
-FORCE = [0.3, -0.7, 1.1]
-
-
-@pytest.mark.parametrize(
-    ("load", "volume", "placement"),
-    [
-        ({"surface": "part.x_max", "force": FORCE}, 1.0, {}),
-        ({"surface": "part.x_max", "force": FORCE}, 1.0, ROTATED),
-        ({"body": "part", "body_force": FORCE}, 0.5 * 0.6 * 0.3, {}),
-    ],
-)
-def test_a_force_is_the_sum_of_its_nodal_forces(backend, load, volume, placement):
-    """On a surface, or on every part of a body."""
-    body = block(backend, [0.5, 0.6, 0.3], [0.0, 0.0, 0.0], [3, 2, 1], placement=placement)
-    system = system_of(read_scene(alone(body, None) | {"loads": [load]}))
-    found = resultant(system, system.load, "part")[0]
-    assert found == pytest.approx(volume * np.array(FORCE), rel=1e-12)
 
 
 def test_rounding_where_friction_vanishes_is_not_negative_friction(backend):
@@ -124,34 +102,3 @@ def test_layers_that_mirror_each_other_do_not_flutter(backend, formulation, full
     assert not modes.unstable(0.0).any()
     assert np.all(np.abs(modes.growth_rates) <= modes.growth_uncertainties)
     assert modes.eigenvalues.imag == pytest.approx(without.eigenvalues.imag, rel=1e-6)
-
-
-def patch_test_stresses(backend, formulation, P):
-    scene = load_scene("patch_test").on(backend)
-    return run_scene(with_contact(scene, formulation=formulation, P=P)).stresses["interface"]
-
-
-@pytest.mark.parametrize(
-    ("formulation", "P", "side", "expected"),
-    [
-        (Greville(), 1e14, "ab", 1722.0),
-        (Greville(), 1e6, "ab", 3233.0),
-        (Grid(9), 1e6, "ab", 1678.0),
-        (GaussPointToSurface(15), 1e6, "b", 0.446),
-        (GaussPointToSurface(15), 1e6, "a", 0.0339),
-        (GaussPointToSurface(25), 1e6, "ab", 0.116),
-    ],
-)
-def test_nurbs_oscillation_matches_the_prototype(formulation, P, side, expected):
-    """The larger of the sides."""
-    sides = patch_test_stresses("iga", formulation, P)
-    assert max(sides[each].oscillation for each in side) == pytest.approx(expected, rel=0.01)
-
-
-@pytest.mark.parametrize(("backend", "collocation"), [("fe", NodeToSurface()), ("iga", Greville())])
-def test_mean_stress_balances_the_load(backend, collocation):
-    """Whatever the oscillation, the pressure arrives."""
-    for side in patch_test_stresses(backend, GaussPointToSurface(15), 1e6).values():
-        assert side.sigma_n.mean() == pytest.approx(-1000.0, rel=1e-3)
-    sides = patch_test_stresses(backend, collocation, 1e6)
-    assert max(side.oscillation for side in sides.values()) > 100

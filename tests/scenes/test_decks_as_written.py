@@ -115,25 +115,3 @@ def test_nodes_of_a_support_that_make_no_face_are_told(tmp_path, more):
     (told,) = result.warnings
     assert (told.kind, told.data["nodes"]) == ("nodes-left-out", len(more.split(",")))
     assert told.data["surface"] == "CLAMP"
-
-
-def test_units_that_do_not_fit_the_metres_of_a_file_are_told(tmp_path):
-    deck = HEAD.replace(NODES, "".join(
-        f"{i}, {1e3 * x}, {1e3 * y}, {1e3 * z}\n" for i, (x, y, z) in enumerate(X, 1)
-    )) + f"*ELEMENT, TYPE=C3D8\n{ELEMENTS}{HELD}"  # fmt: skip
-    for index, (unit, E, rho, high, told) in enumerate((
-        ("mm", 2e11, 7800, 12000, []),
-        ("m", 2e5, 7.8e-9, 12000, []),  # mm, t, s
-        ("mm", 2e5, 7.8e-9, 1.2e7, ["doubtful-units"]),
-    )):  # fmt: skip
-        folder = tmp_path / str(index)
-        folder.mkdir()
-        scene = plate(folder, deck, unit=unit)
-        scene["bodies"]["plate"]["material"] = {"E": E, "nu": 0.3, "rho": rho}
-        scene["analysis"]["max_frequency"] = high
-        if unit == "m":
-            scene["units"] = "other"
-        result = run_modes(read_scene(scene))
-        assert [warning.kind for warning in result.warnings] == told
-        if not told:
-            np.testing.assert_allclose(result.modes.frequencies, FREQUENCIES, rtol=1e-7)

@@ -96,7 +96,7 @@ BAD = {
     "none.mat": (None, "existing"),
     "empty.mat": (b"", "empty"),
     "text.mat": (b"no matrix at all" * 20, "whole .mat file"),
-    "new.mat": (b"MATLAB 7.3 MAT-file" + b"\0" * 500, "-v7"),
+    "new.mat": (b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM" + b"\0" * 400, "v7.3"),
     "text.mtx": (b"1 2\n", "lines of 3 or 5 numbers"),
     "outside.mtx": (market("real", "2 2 1", "3 1 1.0"), "whole .mtx"),
     "oblong.mtx": (market("real", "2 3 1", "1 1 1.0"), "2 x 3"),

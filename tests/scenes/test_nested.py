@@ -16,8 +16,6 @@ from cea.errors import InputError
 from comparisons.converge.bars import splitting
 from exact_cea.reference import exact_eigenvalues
 from scenes import run_modes
-from scenes.building import build
-from scenes.running import nested
 from scenes.running.nested import estimate_errors, richer_scene
 from scenes.spec.reading import load_scene, read_scene
 
@@ -124,27 +122,6 @@ def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes)
     apart = np.abs(estimate.corrected - searched)
     assert (apart < 0.02 * estimate.errors).all()
     assert (apart <= estimate.remaining + 1e-12).all()
-
-
-def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
-    """With what they hold: estimates in a space richer in one body are the same."""
-    coarse = coarse_modes("blocks", backend, 2, 2.9, elements=FEW)
-    both = richer_scene(coarse.scene)
-    richer = replace(coarse.scene, bodies={**both.bodies, "lower": coarse.scene.bodies["lower"]})
-    made, build_body = [], build.build_body
-
-    def watched(name, *parts):
-        made.append(name)
-        return build_body(name, *parts)
-
-    monkeypatch.setattr(build, "build_body", watched)
-    twice = [estimate_errors(coarse, richer).corrected for _ in range(2)]
-    assert made == ["upper"] * 2
-    monkeypatch.setattr(nested, "made_of", lambda scene, name: id(scene))
-    anew = estimate_errors(coarse, richer).corrected
-    assert made[-2:] == ["upper", "lower"]
-    for found in twice:
-        assert np.abs(found - anew).max() < 1e-11 * np.abs(anew).max()
 
 
 def mass_damping(alpha):

@@ -10,7 +10,6 @@ from cea.contact import formulations
 from cea.contact.formulations import Formulation, register, registered
 from cea.errors import InputError
 from scenes import run_scene
-from scenes.spec.contact import suits
 from scenes.spec.plain import plain_data
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
@@ -63,15 +62,6 @@ def test_a_method_that_is_not_registered_is_refused_with_those_that_are():
     del formulations._REGISTER["midpoints"]
     with pytest.raises(SceneError, match=r"method = 'midpoints': one of (?!.*midpoints)"):
         read_scene(two_blocks("iga", {"method": "midpoints"}))
-
-
-def test_abscissae_say_which_backends_a_formulation_suits():
-    found = {
-        method: [backend for backend in ("fe", "iga") if suits(formulation, backend)]
-        for method, formulation in registered().items()
-    }
-    alone = {m: backends for m, backends in found.items() if len(backends) == 1}
-    assert alone == {"node_to_surface": ["fe"], "greville": ["iga"], "botella": ["iga"]}
 
 
 class NoDataclass(Formulation):

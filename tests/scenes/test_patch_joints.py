@@ -100,32 +100,3 @@ TWICE = {
 def test_a_patch_given_twice_is_refused(name):
     with pytest.raises((InputError, SceneError), match="none given twice"):
         frequencies(TWICE[name], 2, [4, 2])
-
-
-def faulty(**fields):
-    first, second = TURNED["patches"]
-    return patches(first | fields, second)
-
-
-@pytest.mark.parametrize(
-    ("geometry", "field", "allowed"),
-    [
-        *((halves(merge_nodes=d), "merge_nodes", "less than half the shortest")
-          for d in (0.0, -1.0, 0.02)),
-        (faulty(knots=[[0, 0, 1, 1], [0, 1, 0, 1]]), "patches.0.knots", "do not fall"),
-        (faulty(weights=[[1.0, 1.0], [1.0, -1.0]]), "patches.0.weights", "positive"),
-        (faulty(control_points=[[[0.0, 0.0]], [[0.5, 0.0]]]), "patches.0.control_points", "shape"),
-    ],
-)  # fmt: skip
-def test_faulty_patches_are_refused_by_name(geometry, field, allowed):
-    with pytest.raises(SceneError, match=allowed) as caught:
-        read_scene(scene(geometry, 2, [4, 2]))
-    assert f"bodies.part.geometry.{field}" in str(caught.value)
-
-
-def test_given_patches_are_not_meshed():
-    data = scene(TURNED, 2, [4, 2])
-    data["bodies"]["part"]["backend"] = "fe"
-    data["bodies"]["part"]["mesh"]["fe"] = {"cell": "quadrilateral", "elements": [2, 2]}
-    with pytest.raises(SceneError, match=r"bodies.part.backend = 'fe': 'iga'"):
-        read_scene(data)

@@ -15,8 +15,8 @@ from cea.timing import StageTimer
 from scenes import SceneError, load_scene, read_scene, run_scene
 from scenes.building.build import build_bodies
 from scenes.export.paraview import write_paraview
-from scenes.pictures.drawing import draw_mode, largest_deflection
-from scenes.pictures.grids import merged, outside, sharp_edges
+from scenes.pictures.drawing import largest_deflection
+from scenes.pictures.grids import outside, sharp_edges
 
 GPTS = {"method": "gpts", "points": 3}
 
@@ -63,26 +63,6 @@ def test_most_unstable_modes_are_drawn_first(result, tmp_path):
         assert not edge.any()
 
 
-def test_what_is_drawn_is_displaced_and_has_the_colour_of_its_deflection():
-    """A square between bars at rest, which keep the frame."""
-    centres = []
-    for u in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0j, 0.0]):
-        bodies = [
-            pyvista.Rectangle([[x, low, 0.0], [x + 1, low, 0.0], [x + 1, -low, 0.0]]).triangulate()
-            for x, low in ((0.0, -0.5), (-3.0, -2.0), (3.0, -2.0))
-        ]
-        for body, part in zip(bodies, (u, [0.0] * 3, [0.0] * 3), strict=True):
-            body.point_data["real"] = np.tile(np.real(part), (body.n_points, 1))
-            body.point_data["imaginary"] = np.tile(np.imag(part), (body.n_points, 1))
-        pixels = np.asarray(draw_mode(bodies, ""))[:780]
-        rows, columns = np.nonzero((pixels[..., 2] > 60) & (pixels[..., 0] < 30))
-        centres.append(complex(columns.mean(), -rows.mean()))
-    right, up, delayed = centres
-    assert (right - up).real > 10
-    assert (up - right).imag == pytest.approx((right - up).real, rel=0.05)
-    assert delayed == pytest.approx(up)  # at the phase of its largest deflection
-
-
 def test_a_static_scene_has_no_modes_to_draw():
     data = two_blocks("iga", {"method": "mortar"}, held=True)
     data |= {"analysis": {"kind": "static"}, "output": {"pictures": 1}}
@@ -102,7 +82,7 @@ MESHES = {
 def test_an_outside_is_closed_has_the_volume_of_the_body_its_fields_and_its_rims(backend):
     """Finely divided it is that of curved elements: an error of triangles remains."""
     scene = load_scene("disc").on(backend).change(f"bodies.disc.mesh.{backend}", MESHES[backend])
-    cells = merged(build_bodies(scene, StageTimer())["disc"].space.volume_cells())
+    cells = build_bodies(scene, StageTimer())["disc"].space.volume_cells()
     coarse, middle, fine = (outside(cells, {"x": cells.points}, n) for n in (0, 2, 3))
     for surface in (coarse, fine):
         assert surface.is_manifold

@@ -4,7 +4,6 @@ import json
 import os
 from dataclasses import asdict, replace
 from math import inf
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -147,22 +146,6 @@ def test_any_record_is_read_as_it_was_written(name, tmp_path):
     assert (made["command"], made["commit"]) == ("count", commit())
     with pytest.raises(InputError, match="a stored result"):
         open_result(tmp_path / name)
-
-
-def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
-    file = write_record({"n": 1}, tmp_path / "r.json")
-    with pytest.raises(ValueError, match="JSON"):
-        write_record({"n": float("nan")}, file)
-
-    def fails(self, target):
-        raise OSError("no space left")
-
-    with monkeypatch.context() as patched:
-        patched.setattr(Path, "replace", fails)
-        with pytest.raises(OSError, match="no space"):
-            write_record({"n": 2}, file)
-    assert read_record(file) == {"n": 1}
-    assert [each.name for each in tmp_path.iterdir()] == ["r.json"]
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from scipy.integrate import solve_bvp
 from scipy.special import jv, jvp, yv, yvp
 
 from comparisons.stability.dense import dense_eigenvalues
-from scenes import SceneError, assemble, read_scene, run_modes, run_static
+from scenes import SceneError, read_scene, run_modes, run_static
 
 DISCS = {"Rayleigh": damped_disc, "modal": modally_damped_disc}
 
@@ -26,29 +26,6 @@ def test_modes_are_those_of_dense_matrices(backend, form, damping):
     assert inside.sum() > 5
     found, expected = np.sort_complex(modes.eigenvalues), np.sort_complex(dense[inside])
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
-
-
-CHANGES = {
-    "Rayleigh": {
-        "bodies.disc.damping.alpha": 0.02,
-        "bodies.disc.damping.beta": 0.001,
-        "bodies.disc.rotation.rate": 0.1,
-        "bodies.disc.material.rho": 1.3,
-        "contacts.interface.sliding.pressure": 0.04,
-        "contacts.interface.sliding.mu_slope": 0.2,
-    },
-    "modal": {"bodies.disc.damping.modal.ratio": 0.1, "contacts.interface.mu": 0.3},
-}
-
-
-@pytest.mark.parametrize("damping", DISCS)
-def test_changes_need_no_assembly(damping):
-    assembled = assemble(read_scene(DISCS[damping]("iga")))
-    expected = run_modes(assembled.scene.change(CHANGES[damping]))
-    found = assembled.modes(CHANGES[damping])
-    assert all(found.bodies[name] is body for name, body in assembled.bodies.items())
-    assembled.free()
-    np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
 
 
 def test_matrices_are_named():
@@ -78,30 +55,6 @@ def test_the_pressure_is_that_of_steady_sliding(backend):
     expected = force * (-0.2 * np.outer(k, k) + 0.1 / 0.5 * np.outer(t, t))
     C = result.matrices()["C"].toarray()
     assert shift.T @ C @ shift == pytest.approx(expected, rel=1e-10, abs=1e-12 * force)
-
-
-@pytest.mark.parametrize(
-    ("change", "named"),
-    [
-        ({"bodies.pad.rotation": {"rate": 1.0}}, "bodies.pad.geometry.shape"),
-        ({"bodies.disc.rotation.axis": [0.0, 1.0, 0.0]}, "bodies.disc.rotation.axis"),
-        ({"bodies.disc.rotation.origin": [0.1, 0.0, 0.0]}, "bodies.disc.rotation.origin"),
-        ({"bodies.disc.rotation.rate": -1.0}, "bodies.disc.rotation.rate"),
-        ({"bodies.disc.placement.translation": [1.0, 0.0, 0.0]}, "rotation.origin"),
-        ({"bodies.disc.damping.alpha": -1.0}, "bodies.disc.damping.alpha"),
-        ({"bodies.disc.damping.ratios": [0.1, 0.1]}, "bodies.disc.damping.ratios"),
-        ({"bodies.pad.damping.ratios": [0.1, 9.0]}, "bodies.pad.damping.ratios"),
-        ({"bodies.pad.damping.frequencies": [0.1, 0.1]}, "bodies.pad.damping.frequencies"),
-        ({"bodies.pad.damping": {"ratios": [0.1, 0.1]}}, "bodies.pad.damping.frequencies"),
-        ({"bodies.disc.damping": {}}, "bodies.disc.damping.ratios"),
-        ({"contacts.interface.p": None, "contacts.interface.c_n": 1.0}, "sliding.pressure"),
-        ({"analysis.min_growth": 1.0}, "analysis.min_growth"),
-    ],
-)
-def test_what_cannot_be_is_refused(change, named):
-    with pytest.raises(SceneError) as refused:
-        read_scene(damped_disc("iga")).change(change)
-    assert named in str(refused.value)
 
 
 E, NU, RHO, INNER, OUTER, PRESSURE, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 1e-3, 0.9

@@ -9,16 +9,14 @@ from pressed import AREA, PRESSURE, pressed_blocks
 
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError, InputError
-from cea.reduced.full_solves import ConfirmedThreshold
 from cea.system.steady_equations import SteadyEquations, free_tangent
 from cea.system.steady_newton import Iteration, SteadyNewton
 from cea.system.steady_state import LoadStep, uniqueness_at
 from cea.timing import StageTimer
 from comparisons.stability.scenes import sprag
-from scenes import assemble, load_scene, read_scene, run_modes, run_scene
+from scenes import assemble, read_scene, run_modes, run_scene
 from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.export.paraview import write_load_steps
-from scenes.spec.problems import SceneError
 
 GPTS = {"method": "gpts", "points": 3}
 LAW = {"c_n": 1e2, "m_n": 2.0, "mu": 0.3, "added_gap": "0.2*(x-0.45)**2"}
@@ -103,18 +101,6 @@ def test_where_cutting_does_not_help_the_part_of_the_load_is_told(backend, refus
     refuse(lambda factor: factor > 0.5)
     with pytest.raises(ConvergenceError, match=r"at 0\.50\d of the load"):
         stepped(backend, 4)
-
-
-@pytest.mark.parametrize(
-    "steps",
-    [0, -1, 1001, 2.5, [], [0.5], [0.0, 1.0], [0.5, 0.5, 1.0], [0.5, 1.5], [1.0, 0.5], "many"],
-)
-def test_what_are_no_steps_is_refused(steps):
-    data = pressed_blocks("fe", GPTS, kind="static", **LAW)
-    data["analysis"]["load_steps"] = steps
-    with pytest.raises(SceneError) as refused:
-        read_scene(data)
-    assert all(fault.field.startswith("analysis.load_steps") for fault in refused.value.faults)
 
 
 def test_open_points_stay_points(backend):
@@ -205,27 +191,3 @@ def test_a_threshold_with_the_state_sought_anew(backend):
     above = growth(followed.value + step)
     assert above > 1e-5
     assert growth(followed.value + 4 * step) == pytest.approx(2 * above, rel=1e-2)
-
-
-def test_thresholds_are_sought_with_contact_forces_as_unknowns(backend, monkeypatch):
-    """However stiff a contact becomes no digits are lost."""
-    scene = read_scene(pressed_blocks(backend, GPTS, P=3.0, mu=0.3))
-    solved = []
-
-    def sought(driver, names, real, flutter, **options):
-        solved.append(bool(driver.pencil.forces))
-        return ConfirmedThreshold(names[0], real, 1j)
-
-    monkeypatch.setattr("scenes.running.assembled.first_threshold", sought)
-    assemble(scene).threshold("contacts.interface.P", 1.0, 30.0)
-    assert solved == [True]
-
-
-def test_growth_of_a_damped_pair_passes_zero_at_its_threshold(backend):
-    """The partner of the mode that begins to grow decays, near by."""
-    assembled = assemble(load_scene("blocks", ["bodies.upper.damping={alpha=0.002}"], backend))
-    found = assembled.threshold("mu", 0.0, 1.0)
-    assert abs(found.eigenvalue.real) < 1e-9
-    for part in (-1e-4, 1e-4):
-        growth = assembled.modes_at({MU: found.value * (1 + part)}).growth_rates.max()
-        assert np.sign(growth) == np.sign(part)

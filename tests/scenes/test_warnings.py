@@ -11,7 +11,6 @@ from comparisons.accuracy.problems import PROBLEMS
 from comparisons.accuracy.study import STUDY, uses
 from comparisons.study.result import read
 from scenes import inspect_scene, load_scene, read_scene, run_modes, run_scene
-from scenes.checking.equilibrium import closed_zone
 from scenes.checking.warnings import (
     _INCOMPRESSIBLE,
     doubtful_numbers,
@@ -188,23 +187,6 @@ def crowned_pad(backend, refined, formulation):
             "analysis": {"kind": "cea", "max_frequency": 12000.0},
         }
     )
-
-
-@pytest.mark.parametrize("shape", ["disc", "strip", "annulus"])
-def test_the_width_of_a_zone_in_space(shape):
-    """That of the largest circle in it: diameter, breadth, difference of the radii."""
-    grid = np.meshgrid(np.linspace(-1, 1, 401), np.linspace(-1, 1, 401))
-    x = np.column_stack([*(g.ravel() for g in grid), np.full(401**2, 0.7)])
-    r = np.hypot(x[:, 0], x[:, 1])
-    closure, width = {
-        "disc": (0.4 - r, 0.8),
-        "strip": (0.2 - np.abs(x[:, 0]), 0.4),
-        "annulus": (0.15 - np.abs(r - 0.6), 0.3),
-    }[shape]
-    found = closed_zone(x, closure)
-    assert found.width == pytest.approx(width, abs=0.02)
-    if shape == "strip":
-        assert np.abs(found.across) == pytest.approx([1, 0, 0])
 
 
 @pytest.mark.grid

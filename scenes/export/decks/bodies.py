@@ -19,8 +19,8 @@ ELEMENTS: Mapping[tuple[Cell, int], str] = {
     ("tetrahedron", 2): "C3D10",
     ("hexahedron", 1): "C3D8",
 }
-"""Element types by cell and degree. Neither program has an element with the inner node of a
-triquadratic hexahedron."""
+"""Element types by cell and degree. CalculiX has no element with the inner node of a triquadratic
+hexahedron."""
 
 
 def set_name(place: str) -> str:

@@ -20,10 +20,13 @@ from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.export.decks.model import keyword, numbers
 from scenes.spec.contact import ContactSpec
 
+CLOSURE = 1e-12
+"""Closure, relative to the size of the bodies: slip is then small and rounding of coordinates is
+smaller."""
 STICK = 1e-5
-"""Stick stiffness in CalculiX, relative to the contact stiffness."""
+"""Stick stiffness, relative to the contact stiffness."""
 MORE_FRICTION = 2.0
-"""Friction coefficient of the static step of CalculiX, relative to that of the scene."""
+"""Friction coefficient of the static step, relative to that of the scene."""
 _TANGENT = 1e-6
 """Relative normal component of a velocity below which it is treated as tangential."""
 
@@ -52,17 +55,15 @@ def deck_contacts(
     return found
 
 
-def contact_lines(contacts: list[DeckContact], program: str, closure: float) -> Iterator[str]:
+def contact_lines(contacts: list[DeckContact], closure: float) -> Iterator[str]:
     """Yield surface interactions with linear laws, and contact pairs with a closure (m)."""
     for each in contacts:
         yield keyword("SURFACE INTERACTION", NAME=each.interaction)
         yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
         yield numbers(each.stiffness)
         if each.mu:
-            calculix = numbers(MORE_FRICTION * each.mu, STICK * each.stiffness)
-            yield from ("*FRICTION", calculix if program == "calculix" else numbers(0.0))
-        pair = keyword("CONTACT PAIR", INTERACTION=each.interaction, TYPE="SURFACE TO SURFACE")
-        yield pair if program == "calculix" else f"{pair}, SMALL SLIDING"
+            yield from ("*FRICTION", numbers(MORE_FRICTION * each.mu, STICK * each.stiffness))
+        yield keyword("CONTACT PAIR", INTERACTION=each.interaction, TYPE="SURFACE TO SURFACE")
         yield f"{each.slave}, {each.master}"
         overlap = numbers(-closure)  # replaces the distances of the nodes
         yield keyword("CLEARANCE", MASTER=each.master, SLAVE=each.slave, VALUE=overlap)

@@ -1,4 +1,4 @@
-"""The model file of a deck for all programs: nodes, elements, sets, surfaces and materials."""
+"""The model file of a deck: nodes, elements, sets, surfaces and materials."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from io import StringIO
@@ -40,7 +40,7 @@ def table(rows: ArrayLike, form: str) -> list[str]:
 
 
 def model_lines(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
-    """Yield the lines of the model file, which the decks of all programs include."""
+    """Yield the lines of the model file, which the deck includes."""
     yield from comments(
         [
             f"{scene.name}: bodies of the scene, their surfaces and materials.",

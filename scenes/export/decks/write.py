@@ -1,4 +1,4 @@
-"""Export of scenes as decks: a model file, and a file of steps for each program that includes it.
+"""Export of scenes as decks of CalculiX: a model file, and a file of steps that includes it.
 
 Scenes that a deck cannot represent are refused before meshing.
 """
@@ -11,7 +11,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from cea.errors import InputError
+import numpy as np
+
+from cea.errors import InputError, require
 from cea.files import check_writable, write_whole
 from cea.petsc import MPI
 from cea.ranks import made_on_first
@@ -19,19 +21,17 @@ from cea.surface import Surface
 from cea.timing import StageTimer
 from meshes.mesh_file import MeshFile
 from scenes.building.build import build_bodies, used_surfaces
-from scenes.export.decks.bodies import ELEMENTS, deck_bodies, set_name
-from scenes.export.decks.contacts import contact_lines, deck_contacts, moving_bodies
+from scenes.export.decks.bodies import ELEMENTS, DeckBody, deck_bodies, set_name
+from scenes.export.decks.contacts import CLOSURE, contact_lines, deck_contacts, moving_bodies
 from scenes.export.decks.model import boundary_lines, comments, model_lines
-from scenes.export.decks.steps import STEPS, Deck
+from scenes.export.decks.steps import step_lines
 from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
 
-MAX_MODES = 10_000
-"""Largest number of modes that a deck may request."""
 _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
-"""Names that both programs accept unchanged; both ignore case."""
+"""Names that CalculiX accepts unchanged; it ignores case."""
 _LABELS = "a letter, then at most 29 letters, digits, _ or -,"
 _UNWRITTEN = "left out, because it cannot be exported,"
 
@@ -40,14 +40,13 @@ _Claim = tuple[str, Any, Any, str]
 
 
 def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
-    """Write a scene as decks of CalculiX and Abaqus with a number of modes; collective.
+    """Write a scene as a deck of CalculiX that requests a number of modes; collective.
 
-    Rank 0 writes ``NAME_model.inp``, ``NAME_calculix.inp`` and ``NAME_abaqus.inp``, where NAME is
-    the name of the scene with characters other than letters, digits, _ and - replaced by _. Raises
-    a SceneError that names all fields that a deck cannot represent.
+    Rank 0 writes ``NAME_model.inp`` and ``NAME_calculix.inp``, which includes it, where NAME is the
+    name of the scene with characters other than letters, digits, _ and - replaced by _. Raises a
+    SceneError that names all fields that a deck cannot represent.
     """
-    if not 1 <= modes <= MAX_MODES:
-        raise InputError("modes", modes, f"1 to {MAX_MODES}")
+    require(modes >= 1, "modes", modes, "1 or more")
     faults = [
         InputError(field, value, f"{allowed} for a deck")
         for field, value, wrong, allowed in _claims(scene)
@@ -56,7 +55,7 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
     if faults:
         raise SceneError(faults)
     name = file_name(scene.name)
-    files = [folder / f"{name}_{kind}.inp" for kind in ("model", *STEPS)]
+    files = [folder / f"{name}_{kind}.inp" for kind in ("model", "calculix")]
     for file in files:
         made_on_first(MPI.COMM_WORLD, partial(check_writable, file, "out"))
     built = build_bodies(scene, StageTimer())
@@ -70,32 +69,33 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
 
 
 def _write(scene: Scene, surfaces: Mapping[str, Surface], files: list[Path], modes: int) -> None:
+    model, deck = files
     bodies, contacts = deck_bodies(scene), deck_contacts(scene.contacts, surfaces)
     motions = moving_bodies(scene.contacts, bodies, surfaces)
-    deck = Deck(bodies, contacts, motions, modes, scene.window.max_frequency)
-    texts, model = [model_lines(scene, deck.bodies)], files[0].name
-    for program, steps in STEPS.items():
-        head = ["*HEADING", model.removesuffix("_model.inp")] if program == "abaqus" else []
-        head += [*comments(_about(scene, deck, program)), f"*INCLUDE, INPUT={model}"]
-        behaviour = contact_lines(deck.contacts, program, deck.closure(program))
-        texts.append(iter([*head, *boundary_lines(deck.bodies), *behaviour, *steps(deck)]))
-    for file, lines in zip(files, texts, strict=True):
-        # Both programs read ASCII reliably, but not other encodings.
+    points = np.concatenate([body.points for body in bodies.values()])
+    closure = CLOSURE * float(np.ptp(points, axis=0).max())
+    steps = [
+        *comments(_about(scene, bodies)),
+        f"*INCLUDE, INPUT={model.name}",
+        *boundary_lines(bodies),
+        *contact_lines(contacts, closure),
+        *step_lines(bodies, contacts, motions, closure, modes),
+    ]
+    for file, lines in ((model, model_lines(scene, bodies)), (deck, steps)):
+        # CalculiX reads ASCII reliably, but not other encodings.
         write_whole("".join(f"{line}\n" for line in lines).encode("ascii", "replace"), file)
 
 
-def _about(scene: Scene, deck: Deck, program: str) -> Iterator[str]:
+def _about(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
     """Yield the comments at the head of a deck."""
-    yield f"{scene.name}, for {program}. Units are those of the scene."
-    for name, body in deck.bodies.items():
+    yield f"{scene.name}, for CalculiX. Units are those of the scene."
+    for name, body in bodies.items():
         yield f"{name}: {len(body.points)} nodes, {len(body.elements)} {body.element_type}"
     for name, contact in scene.contacts.items():
         yield (
             f"Contact {name}: slave {contact.a}, master {contact.b}, penalty on the surface of the "
             f"slave instead of the formulation {contact.formulation.method}."
         )
-    if program == "abaqus":
-        yield "Written according to the manual of Abaqus/Standard, not tested with it."
 
 
 def _claims(scene: Scene) -> Iterator[_Claim]:
