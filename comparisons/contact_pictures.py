@@ -1,4 +1,4 @@
-"""Pictures of steady sliding: pressure, closed zone and stiffness p(x) of each contact."""
+"""Pictures of steady sliding: pressure and stiffness p(x) of each contact."""
 
 from pathlib import Path
 from typing import Any
@@ -6,24 +6,20 @@ from urllib.parse import quote
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from cea.arrays import Floats
 from cea.contact.contact import Contact
 from cea.system.steady_state import ContactState
-from comparisons.study.plots import AXIS, BLUE, STYLE, save
+from comparisons.study.plots import BLUE, STYLE, save
 from scenes import Result
-
-_OPEN = "#D9D9D9"
-_FLAT = 0.5  # length of the mean unit normal above which it is the direction of view
 
 
 def draw_contacts(result: Result, out: Path) -> list[Path]:
     """Draw the steady sliding state of each contact with a contact law; return the files.
 
-    In space the view is along the axis nearest to the mean normal, or in which the contact is
-    thinnest; in the plane values are drawn along the axis in which it is longest.
+    In space the view is along the axis in which the contact is thinnest; in the plane values are
+    drawn along the axis in which it is longest.
     """
     states = result.steady.contacts if result.steady is not None else {}
     files = []
@@ -39,19 +35,13 @@ def draw_contacts(result: Result, out: Path) -> list[Path]:
 
 
 def draw_contact(contact: Contact, state: ContactState) -> Figure:
-    """Draw pressure, closed zone and stiffness of a half pass in three panels."""
+    """Draw pressure and stiffness of a half pass in two panels."""
     in_plane = contact.interface.points.x.shape[1] == 2
-    size = (7.0, 6.0) if in_plane else (12.0, 4.2)
-    figure = Figure(figsize=size, layout="constrained")
-    panels = figure.subplots(3, 1, sharex=True) if in_plane else figure.subplots(1, 3)
-    fields = (
-        ("contact pressure (N/m$^2$)", state.pressure, "viridis"),
-        ("closure (m)" if in_plane else "closed zone", state.closure, ""),
-        ("stiffness p (N/m$^3$)", state.stiffness, "magma"),
-    )
+    figure = Figure(figsize=(7.0, 4.2) if in_plane else (8.5, 4.2), layout="constrained")
+    panels = figure.subplots(2, 1, sharex=True) if in_plane else figure.subplots(1, 2)
     draw = _along if in_plane else _seen
-    for axes, (title, values, colours) in zip(np.ravel(panels), fields, strict=True):
-        draw(axes, contact, values, title, colours)
+    draw(panels[0], contact, state.pressure, "contact pressure (N/m$^2$)")
+    draw(panels[1], contact, state.stiffness, "stiffness p (N/m$^3$)")
     share = 100 * state.closed_fraction
     figure.suptitle(
         f"{contact.name}: normal force {state.normal_force:.4g} N, {share:.3g} % of the area closed"
@@ -59,33 +49,21 @@ def draw_contact(contact: Contact, state: ContactState) -> Figure:
     return figure
 
 
-def _along(axes: Any, contact: Contact, values: Floats, title: str, colours: str) -> None:
+def _along(axes: Any, contact: Contact, values: Floats, title: str) -> None:
     """Draw values along a contact in the plane."""
     x = contact.interface.points.x
     axis = int(np.argmax(np.ptp(x, axis=0)))
     order = np.argsort(x[:, axis], kind="stable")
     axes.plot(x[order, axis], values[order], ".-", color=BLUE, linewidth=0.8, markersize=4)
-    if not colours:
-        axes.axhline(0.0, color=AXIS, linewidth=0.7)
     axes.set(ylabel=title, xlabel=f"{'xy'[axis]} (m)")
     axes.label_outer()
 
 
-def _seen(axes: Any, contact: Contact, values: Floats, title: str, colours: str) -> None:
-    """Draw values at the points of a contact in space; without ``colours``, where it is closed."""
-    points = contact.interface.points
-    mean = np.abs(points.normal.mean(axis=0))
-    flat = np.linalg.norm(mean) > _FLAT
-    thin = int(np.argmax(mean) if flat else np.argmin(np.ptp(points.x, axis=0)))
-    across = [axis for axis in range(3) if axis != thin]
-    if not colours:
-        values, title = (values > 0).astype(float), f"{title}: blue is closed"
-    look = colours or ListedColormap([_OPEN, BLUE])
-    most = float(values.max()) or 1.0
-    dots = axes.scatter(
-        *points.x[:, across].T, s=9.0, c=values, linewidths=0, cmap=look, vmin=0.0, vmax=most
-    )
-    if colours:
-        axes.figure.colorbar(dots, ax=axes, shrink=0.85)
+def _seen(axes: Any, contact: Contact, values: Floats, title: str) -> None:
+    """Draw values at the points of a contact in space; open points have the value zero."""
+    x = contact.interface.points.x
+    across = np.delete(range(3), np.argmin(np.ptp(x, axis=0)))
+    dots = axes.scatter(*x[:, across].T, s=9.0, c=values, linewidths=0, vmin=0.0)
+    axes.figure.colorbar(dots, ax=axes, shrink=0.85)
     names = (f"{'xyz'[axis]} (m)" for axis in across)
     axes.set(aspect="equal", title=title, xlabel=next(names), ylabel=next(names))

@@ -22,8 +22,6 @@ APPLICATIONS = sorted(
     for folder in (ROOT / "comparisons").iterdir()
     if (folder / "__init__.py").is_file() and folder.name not in ("study", "cli")
 )
-BESIDE_US = "comparisons.bench.assembly"
-"""Programs that assembly is compared with and that come with this one."""
 DRAWING = (
     "scenes.pictures.drawing",
     "scenes.pictures.grids",
@@ -36,7 +34,7 @@ LIBRARIES = {
     "gmsh": ("meshes",),
     "matplotlib": ("comparisons",),
     "flint": ("exact_cea",),
-    "dolfinx ufl basix ffcx": ("fe_cea", BESIDE_US),
+    "dolfinx ufl basix ffcx": ("fe_cea",),
     "typer rich": ("comparisons.cli",),
     "pyvista vtk vtkmodules": DRAWING,
 }
@@ -114,7 +112,7 @@ def beyond(home, allowed):
 
 
 def test_imports_are_read():
-    assert set(APPLICATIONS) >= {"formulations", "accuracy", "paper"}
+    assert set(APPLICATIONS) >= {"stability", "accuracy", "paper"}
     assert WITHIN["cea.files"] == {"cea.errors"}
     assert sum(map(len, WITHIN.values())) > 500
 
@@ -142,12 +140,10 @@ def test_no_application_is_imported_by_another_or_by_the_engine(room):
     assert beyond(f"comparisons.{room}", allowed) == {}
 
 
-@pytest.mark.parametrize(
-    ("hidden", "home"), [("comparisons.cli", "comparisons.cli"), (BESIDE_US, "comparisons.bench")]
-)
-def test_the_command_line_and_programs_beside_this_one_are_imported_by_none(hidden, home):
-    importers = {m for m, others in WITHIN.items() if any(lies_in(o, [hidden]) for o in others)}
-    assert {module for module in importers if not lies_in(module, [home])} == set()
+def test_the_command_line_is_imported_by_none():
+    cli = ["comparisons.cli"]
+    importers = {m for m, others in WITHIN.items() if any(lies_in(o, cli) for o in others)}
+    assert {module for module in importers if not lies_in(module, cli)} == set()
 
 
 @pytest.mark.parametrize("names", LIBRARIES)

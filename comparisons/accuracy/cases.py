@@ -22,16 +22,12 @@ DEGREES: Mapping[Backend, tuple[int, ...]] = {"fe": (1, 2, 3, 4), "iga": (2, 3, 
 """Degrees of Lagrange elements, and of NURBS at full continuity."""
 _REFINEMENTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)  # factors on the coarsest mesh
 FEWEST = {2: 400, 3: 500}  # fewest degrees of freedom of a case, by dimension
-PARTS = ("errors", "no flutter")
 
 
 @dataclass(frozen=True)
 class Options:
     """Options of the study."""
 
-    parts: Annotated[tuple[str, ...], "Errors (by run time), no flutter (no mode may grow)."] = (
-        PARTS
-    )
     problems: Annotated[tuple[str, ...], "Problems with exact eigenvalues."] = tuple(PROBLEMS)
     stiffnesses: Annotated[
         tuple[float, ...],
@@ -43,9 +39,8 @@ class Options:
     repeats: Annotated[int, "Timed runs of each mesh; the median is reported."] = 3
 
     def __post_init__(self) -> None:
-        for name, known in (("problems", PROBLEMS), ("parts", PARTS)):
-            for value in getattr(self, name):
-                require(value in known, name, value, f"one of {', '.join(known)}")
+        for value in self.problems:
+            require(value in PROBLEMS, "problems", value, f"one of {', '.join(PROBLEMS)}")
 
 
 def rules(backend: Backend, gauss: int, grid: int) -> dict[str, Variant]:
@@ -65,7 +60,7 @@ def methods() -> list[dict[str, Any]]:
     ]
 
 
-def lines(options: Options) -> Iterator[Case]:
+def cases(options: Options) -> Iterator[Case]:
     """Lines of plots: all methods at the first stiffness; else mortar or low degrees."""
     for problem in options.problems:
         for p in options.stiffnesses:
@@ -105,10 +100,8 @@ def estimated_dofs(problem: Problem, case: Case, refinement: int) -> int:
     )
 
 
-def scene_of(
-    problem: Problem, case: Case, refinement: int, changes: Mapping[str, Any] | None = None
-) -> Scene:
-    """Return the scene of one point of a plot, with p in units of the problem and changes."""
+def scene_of(problem: Problem, case: Case, refinement: int) -> Scene:
+    """Return the scene of one point of a plot, with p in units of the problem."""
     backend, degree, closed = case["backend"], case["degree"], problem.closed is not None
     if backend == "iga":
         common: dict[str, Any] = {"degree": [degree] * problem.dim}
@@ -123,7 +116,7 @@ def scene_of(
     }
     given = {"contacts.interface.mu": problem.friction}
     given["analysis.max_frequency"] = problem.max_frequency
-    scene = load_scene(problem.name, backend=backend).change({**(changes or {}), **meshes, **given})
+    scene = load_scene(problem.name, backend=backend).change(meshes | given)
     grid = degree + 2  # about two points for each element along an edge
     if backend == "iga":  # a closed direction has four patches
         first = next(iter(problem.bodies.values()))

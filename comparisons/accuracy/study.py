@@ -1,20 +1,18 @@
 """Error of flutter eigenvalues against run time: every discretisation with every formulation."""
 
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from comparisons.accuracy import errors
-from comparisons.accuracy.cases import YARDSTICKS, Options, lines
+from comparisons.accuracy.cases import YARDSTICKS, Options, cases
+from comparisons.accuracy.errors import evaluate
 from comparisons.accuracy.problems import PROBLEMS
 from comparisons.study.columns import wide
-from comparisons.study.numbers import counted, number, shown
+from comparisons.study.numbers import number, shown
 from comparisons.study.sections import Column, Plot, Section, Table
-from comparisons.study.study import Case, Process, Session, Study, StudyResult
+from comparisons.study.study import Process, Study, StudyResult
 from scenes.spec.body import backend_name
 
 TOLERABLE = 0.01
@@ -23,19 +21,6 @@ _TOO_COARSE = 0.1  # error of growth of the reference rule above which a mesh is
 _ROUNDING = 1e-9  # errors below this are not used to fit an order
 _FITTED = 3  # number of finest meshes to which an order is fitted
 LINE = ["problem", "backend", "degree", "rule", "p"]  # labels of a line of a plot
-
-
-def cases(options: Options) -> Iterator[Case]:
-    """Cases of all parts, labelled with the part."""
-    for part in options.parts:
-        for case in lines(options) if part == "errors" else errors.no_flutter_cases():
-            yield {"part": part, **case}
-
-
-def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Evaluate a case by its part."""
-    of_part = errors.evaluate if case["part"] == "errors" else errors.evaluate_no_flutter
-    return of_part(case, session)
 
 
 def _drawn(which: str, result: StudyResult) -> pd.DataFrame:
@@ -121,15 +106,6 @@ def in_short(result: StudyResult) -> str:
     return f"Usable in every problem at every p tried: {'; '.join(rules) or 'none'}."
 
 
-def unexplained(result: StudyResult) -> str:
-    """Count the runs in which no mode grows by more than its error."""
-    found = result.frame("no_flutter")["unexplained"]
-    return (
-        f"In {(found == 0).sum()} of {counted(len(found), 'run')} no mode grows by more than "
-        "its residual times its condition number explains."
-    )
-
-
 def lost(result: StudyResult) -> pd.DataFrame:
     """Runs with missing or spurious modes in the band."""
     found = result.frame().query("missing > 0 or spurious > 0")
@@ -197,14 +173,6 @@ SECTIONS = [
         of="runs",
     ),
     Section(
-        "Problems that cannot flutter",
-        "Largest growth relative to abs(lambda), and the algebraic error of that growth (residual "
-        "times condition number).",
-        unexplained,
-        tables=[Table("no_flutter", "", "no_flutter", COLUMNS)],
-        of="no_flutter",
-    ),
-    Section(
         "Omissions",
         tables=[
             Table("omissions", "Meshes that failed, which end a line.", "omissions", COLUMNS),
@@ -227,7 +195,6 @@ STUDY = Study(
     evaluate=evaluate,
     sections=SECTIONS,
     quick={
-        "parts": ("errors",),
         "problems": ("blocks",),
         "stiffnesses": (1.0,),
         "most_dofs_2d": 2_000,

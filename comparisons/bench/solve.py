@@ -14,12 +14,12 @@ import pandas as pd
 
 from cea.arrays import Complexes
 from cea.eigen.classify import classify, thresholds
-from cea.eigen.matching import assign
 from cea.errors import require
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
 from comparisons.study.columns import medians
+from comparisons.study.matching import match_spectrum
 from comparisons.study.measure import measured
 from comparisons.study.numbers import number, shown
 from comparisons.study.sections import Column, Plot, Section, Table
@@ -147,13 +147,6 @@ def unstable(kappa: Complexes) -> int:
     return classify(speeds.real, 0.0, thresholds(speeds), False).count("unstable")
 
 
-def errors_of(found: Complexes, exact: Complexes) -> tuple[list[float], int]:
-    """Return relative errors of matched eigenvalues and the number of missing ones."""
-    cost = np.abs(found[:, None] - exact) / np.abs(exact)
-    rows, columns = assign(cost)
-    return cost[rows, columns].tolist(), len(exact) - len(columns)
-
-
 def methods(result: StudyResult) -> pd.DataFrame:
     """Medians of each method; errors against the answer with the smallest backward error."""
     every = result.frame()
@@ -163,10 +156,11 @@ def methods(result: StudyResult) -> pd.DataFrame:
         name: (own["re"] + 1j * own["im"]).to_numpy() for name, own in values.groupby("method")
     }
     exact = kappa[every.loc[every["backward_error"].idxmin(), "method"]]
-    found = [errors_of(kappa[name], exact) for name in runs["method"]]
-    runs["median"] = [float(np.median(errors)) for errors, _ in found]
-    runs["worst"] = [max(errors) for errors, _ in found]
-    runs["missing"] = [missing for _, missing in found]
+    found = [match_spectrum(kappa[name], exact, (-np.inf, np.inf)) for name in runs["method"]]
+    errors = [match.errors[np.isfinite(match.errors)] for match in found]
+    runs["median"] = [float(np.median(each)) for each in errors]
+    runs["worst"] = [float(each.max()) for each in errors]
+    runs["missing"] = [len(match.missing) for match in found]
     return runs
 
 

@@ -19,15 +19,14 @@ if TYPE_CHECKING:
 STUDIES = {
     "agreement": ("agreement", "Both backends on disc and pad, in every pairing."),
     "accuracy": ("accuracy.study", "Error of every method against run time."),
-    "formulations": ("formulations.study", "Patch tests, locking, momentum of each formulation."),
+    "patch_tests": ("patch_tests", "Patch tests and momentum of each formulation."),
+    "locking": ("locking", "Which formulations lock as contact stiffness grows."),
     "stability": ("stability.study", "Stiff and extreme scenes against references."),
-    "brake": ("brake.study", "A ventilated brake on several meshes."),
     "damping": ("damping", "Effect of damping on the flutter threshold."),
 }
 """Module of each study below comparisons, and its help text."""
-_BESIDE_EXACT = ("accuracy", "formulations", "stability", "damping")  # need exact_cea
+_BESIDE_EXACT = ("accuracy", "locking", "stability", "damping")  # need exact_cea
 BENCHMARKS = {
-    "assembly": ("bench.assembly", "Stiffness and mass, against dolfinx."),
     "solve": ("bench.solve", "Modes of disc_pad, against SLEPc, scipy, projection."),
     "scaling": ("bench.scaling", "More ranks and finer meshes."),
     "matrices": ("bench.matrices", "Matrices from files, against scipy."),

@@ -15,7 +15,6 @@ from math import tau
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure as Picture
 
 from cea.arrays import Floats
 from cea.body import Body
@@ -24,7 +23,6 @@ from cea.matrices import destroy, scaled_total
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
 from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
 from comparisons.paper.spectra import Spectrum, case_row, displacements, means_of, measures, paired
-from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
 from scenes.results.matching import ModeMatch
@@ -39,9 +37,6 @@ _MIDDLE, _HALF, _SAMPLES = (0.115, 45.0), 0.07, 281
 (m); number of points."""
 _NEAR_EDGE = 0.004  # distance from the boundary within which the slope is taken (m)
 _ALIKE = 0.5  # modal assurance above which modes of the two runs match
-_DIGITS, _SHAPE_DIGITS = 6, 4
-"""Decimals to which points of the bodies (m) are rounded to merge them, and decimals stored of
-displacements relative to the largest."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +69,7 @@ class ModeShapes(Figure):
             slopes.append(steepness[np.abs(np.abs(arc) - EDGE) < _NEAR_EDGE].max())
             pad = [None if np.isnan(u) else u for u in line["pad"]]
             lines += [{"run": name, **row} for row in rows_of(line | {"pad": pad})]
-            for array, values in bodies_of(result, mode).items():
-                session.keep(f"{name}/{array}", values)
+            session.keep_modes(f"{name}-{mesh}", result, [mode], f"{name}, {mesh}")
         over = "lumped over plain"
         slope = "slope of the disc at the boundary of the pad"
         far = np.abs(curves[1] - curves[0]).max()
@@ -111,55 +105,6 @@ def mode_line(result: Result, mode: int) -> dict[str, Floats]:
         lines[body][hit] = u[2::3, 0]
     peak = lines[DISC][np.argmax(np.abs(lines[DISC]))]
     return {"arc": arc} | {name: (u / peak).real for name, u in lines.items()}
-
-
-def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
-    """Return points (m), cells and real displacements of both bodies, on rank 0 only.
-
-    Keys are ``disc/points`` and so on.
-    """
-    from scenes.pictures.drawing import largest_deflection  # imports pyvista
-
-    arrays, shapes = {}, {}
-    for name, body in result.system.bodies.items():
-        sample = body.space.volume_cells().straight()
-        u = result.mode_shapes(name, sample.values, [mode], everywhere=False)[..., 0]
-        if body.comm.rank == 0:
-            rounded = np.round(sample.points, _DIGITS)
-            points, first, number = np.unique(
-                rounded, axis=0, return_index=True, return_inverse=True
-            )
-            shapes[name] = u[first]
-            arrays[f"{name}/points"] = points
-            arrays[f"{name}/cells"] = number.ravel()[sample.cells].astype(np.int32)
-    if shapes:
-        turned, largest = largest_deflection(np.concatenate(list(shapes.values())))
-        ends = np.cumsum([len(shape) for shape in shapes.values()])[:-1]
-        for name, part in zip(shapes, np.split(turned.real / largest, ends), strict=True):
-            arrays[f"{name}/displacement"] = np.round(part, _SHAPE_DIGITS)
-    return arrays
-
-
-def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Picture:
-    """Draw the deformed bodies, with lumping on the left and without on the right."""
-    from scenes.pictures.drawing import draw_mode
-    from scenes.pictures.grids import straight_outside
-
-    labels = {"figure": figure.name, "mesh": mesh}
-    picture = Picture(figsize=(10.0, 3.8), layout="constrained")
-    picture.suptitle(f"Figure 4: a mode with and without lumping, P = 10⁶, {mesh}", fontsize=10)
-    for axes, name in zip(picture.subplots(1, 2), ("lumped", "plain"), strict=True):
-        bodies = []
-        for body in (PAD, DISC):
-            points, cells, u = (
-                result.array(labels, f"{name}/{body}/{array}")
-                for array in ("points", "cells", "displacement")
-            )
-            bodies.append(straight_outside(points, cells, u))
-        axes.imshow(np.asarray(draw_mode(bodies, "")))
-        axes.set_axis_off()
-        axes.set_title("with lumping" if name == "lumped" else "without lumping")
-    return picture
 
 
 SHAPES = ModeShapes("4 and 5", "Figures 4 and 5: a mode with and without lumping, P = 10⁶")

@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import pandas as pd
 from matplotlib.figure import Figure as Picture
 
-from comparisons.paper import lumping, patch_test
+from comparisons.paper import patch_test
 from comparisons.paper.claims import judged
-from comparisons.paper.figure import Figure, Tables
+from comparisons.paper.figure import Tables
 from comparisons.paper.figures import DIAGRAMS, FIGURES, PATCH_TESTS, chosen
 from comparisons.study.numbers import number, shown
 from comparisons.study.sections import Column, Drawing, Frame, Plot, Section, Table, diagram
@@ -52,17 +52,17 @@ def _melted(result: StudyResult) -> pd.DataFrame:
     return frame.melt(["mesh", "run", "arc"], ["disc", "pad"], "body", "u").dropna()
 
 
-def _drawings(draw: Any, *figures: Figure) -> Iterator[Drawing]:
-    """Yield the pictures of some figures, one for each kind of mesh."""
-    for figure in figures:
+def _drawings() -> Iterator[Drawing]:
+    """Yield the pictures of the figures of the patch test, one for each kind of mesh."""
+    for figure in PATCH_TESTS:
         for mesh in figure.meshes:
 
             def drawing(result: StudyResult, of: Any = figure, on: Any = mesh) -> Picture | None:
                 labels = {"figure": of.name, "mesh": on}
                 made = any(case["labels"] == labels for case in result.cases)
-                return draw(of, on, result) if made else None
+                return patch_test.drawn(of, on, result) if made else None
 
-            drawing.__name__ = f"figure_{figure.name.replace(' ', '_')}_{mesh}"
+            drawing.__name__ = f"figure_{figure.name}_{mesh}"
             drawing.__doc__ = f"{figure.title}, {mesh}."
             yield drawing
 
@@ -136,7 +136,7 @@ SECTIONS = [
         "No pair of uniform meshes of 2 to 8 elements a side gives all four oscillations of "
         "Figure 12.",
         tables=[_table("patch_tests", "Every run.", printed=True)],
-        plots=[*_drawings(patch_test.drawn, *PATCH_TESTS)],
+        plots=[*_drawings()],
     ),
     Section(
         "Gauss points",
@@ -167,10 +167,10 @@ SECTIONS = [
             _table("lines", "Lines of Figure 5.", shown=False),
         ],
         plots=[
-            *_drawings(lumping.drawn, lumping.SHAPES),
             Plot("figure_5", _FIGURE_5, _melted, "arc", "u", ("body",), ("mesh", "run"), "", OWN),
             _plot("lumping", "lumping_shifts", "false_shift", "shift", "mesh", style="markers"),
         ],
+        modes=True,
     ),
     Section(
         "Disc and pad",

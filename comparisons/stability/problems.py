@@ -18,7 +18,7 @@ from cea.eigen.driver import EigenSolver
 from cea.petsc import PETSc
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
-from scenes import run_scene
+from scenes import Result, run_scene
 from scenes.results.record import as_json
 from scenes.running.matrices import run_matrices
 from scenes.running.system import coupled
@@ -63,12 +63,12 @@ class StressAnswer:
     dofs: int
 
 
-def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
+def _answer(result: Result) -> Answer | StressAnswer:
     """Answer of a result: its modes, or its stresses."""
     kinds = tuple(dict.fromkeys(warning.kind for warning in result.warnings))
     if result.spectrum is None:
         sides = [side.sigma_n for both in result.stresses.values() for side in both.values()]
-        return StressAnswer(np.concatenate(sides), kinds, dofs)
+        return StressAnswer(np.concatenate(sides), kinds, result.dofs)
     modes, threshold = result.modes, result.analysis.growth_threshold
     decay = modes.window.min_growth
     return Answer(
@@ -82,7 +82,7 @@ def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
         residual=float(modes.residuals.max(initial=0.0)),
         condition=float(modes.conditions.max(initial=1.0)),
         warnings=kinds,
-        dofs=dofs,
+        dofs=result.dofs,
         min_growth=-np.inf if decay is None else decay,
     )
 
@@ -105,7 +105,7 @@ class OfScene:
         """Read the scene and run it; check that the result can be stored."""
         result = run_scene(_read(self.data, max_frequency))
         as_json(result.data)
-        return _answer(result, result.system.size)
+        return _answer(result)
 
 
 def _read(given: Mapping[str, Any], max_frequency: float | None) -> Scene:
@@ -192,5 +192,4 @@ class OfFiles:
                     "analysis": {"kind": "cea", "max_frequency": max_frequency or 1.0},
                 }
             )
-            result = run_matrices(scene)
-        return _answer(result, result.dofs)
+            return _answer(run_matrices(scene))

@@ -33,11 +33,15 @@ PARAMETERS = "Fields of the scenes as run, in SI units (angles in degrees); bars
 
 
 def _warnings(result: StudyResult) -> pd.DataFrame:
-    """Kinds of warnings, with the first message and the number of warnings of each kind."""
-    given = [warning for run in result.runs() for warning in run["warnings"]]
-    frame = pd.DataFrame(given, columns=["kind", "message"])
-    found = frame.groupby("kind", sort=False)["message"].agg(["first", "size"]).reset_index()
-    return found.set_axis(["warning", "first", "runs"], axis=1)
+    """Kinds of warnings, with the first message and the number of runs that gave them."""
+    given = [
+        (warning["kind"], warning["message"], i)
+        for i, run in enumerate(result.runs())
+        for warning in run["warnings"]
+    ]
+    frame = pd.DataFrame(given, columns=["warning", "first", "runs"])
+    how = {"first": "first", "runs": "nunique"}
+    return frame.groupby("warning", sort=False, as_index=False).agg(how)
 
 
 def _times(result: StudyResult) -> pd.DataFrame:

@@ -6,6 +6,7 @@ from math import inf
 
 from cea.contact.formulations import (
     Botella,
+    Form,
     Formulation,
     GaussPointToSurface,
     Greville,
@@ -35,6 +36,7 @@ class Variant:
 
     def of(self, scene: Scene, *, P: float | None = None, p: float | None = None) -> Scene:
         """The scene with this variant and P or p at every contact; saddle form if infinite."""
+        form: Form = "saddle" if inf in (P, p) else "penalty"
         contacts = {
             name: replace(
                 contact,
@@ -42,7 +44,7 @@ class Variant:
                 full_pass=self.full_pass,
                 P=P,
                 p=p,
-                form="saddle" if inf in (P, p) else "penalty",
+                form=form,
             )
             for name, contact in scene.contacts.items()
         }

@@ -16,7 +16,7 @@ from comparisons.study.numbers import literal
 from comparisons.study.sections import Plot, rows
 
 # Colours of Okabe and Ito, distinguishable with any colour vision.
-ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
+ORANGE, SKY, GREEN = "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#8A8A8A"
 BLACK, AXIS, GRID = "#222222", "#555555", "#E4E4E4"
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK, GREY)
@@ -40,7 +40,6 @@ _OF_MATPLOTLIB = {
 }
 """Markers of matplotlib by their names in plotly, where the suffix ``-open`` means unfilled."""
 _MARKERS = tuple(_OF_MATPLOTLIB)
-_OF_BACKENDS = {"fe": ("square-open", BLUE), "iga": ("circle", VERMILION)}
 STYLE = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -110,16 +109,11 @@ def _traces(
 
 
 def _look(labels: Mapping[str, Any], places: Mapping[str, Any]) -> tuple[str, str]:
-    """Marker and colour of a line: the backend sets the marker, other labels the colour."""
-    marker, colour = _OF_BACKENDS.get(labels.get("backend", ""), (_MARKERS[0], BLUE))
-    for name in labels.keys() - {"backend"}:
-        if name == "verdict":
-            return VERDICT_MARKS[labels[name]][:2]
-        i = places[name].get(labels[name], 0)
-        colour = COLOURS[i % len(COLOURS)]
-        if "backend" not in labels:
-            marker = _MARKERS[i // len(COLOURS) % len(_MARKERS)]
-    return marker, colour
+    """Marker and colour of a line: the first label sets the colour, the last one the marker."""
+    if "verdict" in labels:
+        return VERDICT_MARKS[labels["verdict"]][:2]
+    numbers = [places[name].get(value, 0) for name, value in labels.items()] or [0]
+    return _MARKERS[numbers[-1] % len(_MARKERS)], COLOURS[numbers[0] % len(COLOURS)]
 
 
 def draw(plot: Plot, frame: pd.DataFrame, result: Any) -> Figure:

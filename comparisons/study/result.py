@@ -13,7 +13,6 @@ from scenes.results.folder import RESULT as RESULT
 from scenes.results.record import read_record, write_record
 
 ARRAYS = "arrays.npz"  # file of the arrays beside the record
-PART = "part"  # label that only distinguishes parts of a study: frames leave it out
 Data = Mapping[str, Any]  # plain data, as JSON holds them
 
 
@@ -37,7 +36,7 @@ class StudyResult:
         """Rows of a table of all cases, or of those with given labels; label columns come first."""
         cases = [case for case in self.cases if labels.items() <= case["labels"].items()]
         rows = [c["labels"] | row for c in cases for row in c["tables"].get(table, ())]
-        return pd.DataFrame(rows).drop(columns=PART, errors="ignore")
+        return pd.DataFrame(rows)
 
     def array(self, case: Mapping[str, Any], name: str) -> np.ndarray:
         """Array that the case with these labels kept; raise an InputError if there is none."""

@@ -44,9 +44,7 @@ class Plot:
     frame: Frame
     x: str
     y: str
-    series: Sequence[
-        str
-    ] = ()  # columns that distinguish lines: backend by marker, others by colour
+    series: Sequence[str] = ()  # columns of lines: the first by colour, the last by marker
     panel: Sequence[str] = ()  # columns that distinguish panels
     log: str = ""  # logarithmic axes: "x", "y" or "xy"
     own: Mapping[Any, Column] = field(default_factory=dict)  # as of a table; titles of axes too

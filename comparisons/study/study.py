@@ -37,8 +37,8 @@ class Process:
 class Study:
     """Cases, what is computed for each, and how the results are shown.
 
-    All cases have the same labels; a label ``part`` distinguishes parts of a study and is not
-    shown. ``evaluate`` is collective; its values are numbers, texts, booleans, and None if missing.
+    All cases have the same labels. ``evaluate`` is collective; its values are numbers, texts,
+    booleans, and None if missing.
     """
 
     name: str  # of the command, of its records, and of the folder below ``results``

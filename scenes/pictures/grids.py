@@ -77,14 +77,6 @@ def outside(cells: VolumeCells, fields: Mapping[str, Floats], subdivisions: int)
     return surface.triangulate()
 
 
-def straight_outside(points: Floats, cells: Ints, displacement: Floats) -> Any:
-    """Return the triangulated outer surface of straight 3D cells with real displacements."""
-    kind = {4: pyvista.CellType.TETRA, 8: pyvista.CellType.HEXAHEDRON}[cells.shape[1]]
-    grid = pyvista.UnstructuredGrid({kind: cells}, points)
-    grid.point_data["real"], grid.point_data["imaginary"] = displacement, 0 * displacement
-    return grid.extract_surface(algorithm="dataset_surface").triangulate()
-
-
 def sharp_edges(surface: Any) -> Any:
     """Return sharp edges and boundary edges of a triangulated surface (pyvista)."""
     return surface.extract_feature_edges(FEATURE_ANGLE, manifold_edges=False)

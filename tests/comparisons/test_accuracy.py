@@ -117,10 +117,18 @@ def test_lines_run_in_a_process_and_are_shown(tmp_path):
     result = run(STUDY, options, tmp_path, only=only)
     assert result.failed().empty
     assert set(result.frame()["p"]) == {1.0, 0.1, 10.0, 1000.0}
-    frame = result.frame("no_flutter")
-    assert len(frame) == 2
-    assert (frame["growth"] < 1e-6).all()
-    assert (frame["unexplained"] == 0).all()
+
+
+@pytest.mark.grid(quick=1)
+def test_axisymmetric_modes_do_not_grow(backend):
+    """Friction does no work on them: the modes of the drum next to exact ones of order zero."""
+    method = {"p": 1.0, "backend": backend, "degree": 2, "rule": "mortar"}
+    scene = scene_of(PROBLEMS["drum"], method, 3).change("contacts.interface.mu", 0.9)
+    modes = run_modes(scene).modes
+    exact_ones = exact_eigenvalues("drum", m=0, max_frequency=2.5, p=1.0, mu=0.9)
+    near = np.abs(modes.eigenvalues[:, None] - exact_ones).argmin(axis=0)
+    assert np.abs(modes.eigenvalues[near] / exact_ones - 1).max() < 0.05
+    assert (np.abs(modes.growth_rates[near]) <= modes.growth_uncertainties[near]).all()
 
 
 def test_orders_are_those_of_theory():

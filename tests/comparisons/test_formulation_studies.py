@@ -11,10 +11,8 @@ import pytest
 
 from cea.contact.formulations import Mortar, Segments
 from cea.timing import StageTimer
-from comparisons import agreement
-from comparisons.formulations import locking, patch_tests
-from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
-from comparisons.formulations.study import STUDY, Options
+from comparisons import agreement, locking, patch_tests
+from comparisons.patch_tests import PRESSURE, PROBLEMS
 from comparisons.study.run import run
 from scenes import run_scene
 from scenes.building.build import build_bodies
@@ -22,15 +20,15 @@ from scenes.building.build import build_bodies
 YARDSTICKS = ("segments", "mortar")
 
 
-def part(name, **options):
-    """A part of the study run on its own."""
-    return run(STUDY, Options(parts=(name,), **options), Path(mkdtemp()) / "out")
+def made(study, **options):
+    """Result of a study with these options."""
+    return run(study, study.options(**options), Path(mkdtemp()) / "out")
 
 
 @cache
 def few_locking():
     options = {"p": (1.0, 1e4, 1e6, np.inf), "formulations": ("Greville", *YARDSTICKS)}
-    return part("locking", **options)
+    return made(locking.STUDY, **options)
 
 
 @cache
@@ -39,12 +37,12 @@ def patch_test(interface):
     few = ("GPTS 5", "GPTS 5, lumped", *YARDSTICKS) if interface == "curved" else ()
     options = {"P": (1e2, 1e6, 1e14), "gauss": (5,), "samples": 9, "formulations": few}
     options |= {"meshes": ("hexahedra", "quadrilaterals", "NURBS"), "interfaces": (interface,)}
-    return part("patch_tests", **options)
+    return made(patch_tests.STUDY, **options)
 
 
 def errors(backend, formulation):
     """Errors of locking at finite stiffness."""
-    rows = few_locking().frame("locking").query("p < inf and backend == @backend")
+    rows = few_locking().frame().query("p < inf and backend == @backend")
     return rows.loc[rows["formulation"] == formulation, "error"].to_numpy(dtype=float)
 
 
@@ -62,7 +60,7 @@ def test_segments_lock_and_mortar_does_not(backend, expected):
 def test_what_locks_is_told_and_as_many_points_as_traces_do_not():
     assert locking.locked(few_locking()) == {"fe": ["segments"], "iga": ["segments"]}
     np.testing.assert_allclose(errors("iga", "Greville"), [7.9e-5, 9.4e-5, 9.4e-5], rtol=0.03)
-    greville = few_locking().frame("locking").query("formulation == 'Greville'")
+    greville = few_locking().frame().query("formulation == 'Greville'")
     assert set(greville["points"]) == set(greville["traces"]) == {14}
 
 

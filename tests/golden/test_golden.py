@@ -7,10 +7,8 @@ import pandas as pd
 import pytest
 from golden import BIN, differences, run_frozen, stored
 
-from comparisons import agreement
+from comparisons import agreement, locking, patch_tests
 from comparisons.accuracy.errors import measure
-from comparisons.formulations import locking, patch_tests
-from comparisons.formulations.study import STUDY, Options
 from comparisons.paper.claims import judged
 from comparisons.paper.study import STUDY as PAPER_STUDY
 from comparisons.study.result import read
@@ -86,9 +84,9 @@ LOCKED = {
 
 @pytest.mark.slow
 def test_locking_is_as_frozen(tmp_path):
-    result = run(STUDY, Options(parts=("locking",)), tmp_path / "out")
+    result = run(locking.STUDY, locking.Options(), tmp_path / "out")
     assert locking.locked(result) == LOCKED
-    found = result.frame("locking")
+    found = result.frame()
     rows = found.groupby([*LABELS], sort=False)
     for (labels, own), expected in zip(rows, stored("tables")["locking"], strict=True):
         assert labels == tuple(expected[label] for label in LABELS)
@@ -100,7 +98,7 @@ def test_locking_is_as_frozen(tmp_path):
 @pytest.mark.slow
 def test_patch_tests_are_as_frozen(tmp_path):
     """Errors of collocation at high P hang on rounding, so a tenth of a per cent is kept."""
-    found = patch_tests.runs(run(STUDY, Options(parts=("patch_tests",)), tmp_path / "out"))
+    found = patch_tests.runs(run(patch_tests.STUDY, patch_tests.Options(), tmp_path / "out"))
     rows = found.groupby(["interface", "meshes", "formulation", "points"], sort=False)
     for (labels, own), expected in zip(rows, stored("tables")["patch_tests"], strict=True):
         meshes = " on ".join(expected["meshes"])

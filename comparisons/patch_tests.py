@@ -24,7 +24,7 @@ from comparisons.study.columns import wide
 from comparisons.study.formulations import Variant, variants
 from comparisons.study.numbers import number, shown
 from comparisons.study.sections import Column, Plot, Section, Table
-from comparisons.study.study import Case, Session, StudyResult
+from comparisons.study.study import Case, Session, Study, StudyResult
 from scenes import Result
 from scenes.running.system import coupled
 from scenes.spec.body import Backend, LoadSpec
@@ -135,7 +135,7 @@ _STIFFNESSES = (1e2, 1e4, 1e6, 1e8, 1e10, 1e12, 1e14)
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the patch tests."""
+    """Options of the study."""
 
     # the blocks and rings have a stiffness of about 1e6 N/m
     P: Annotated[tuple[float, ...], "Contact stiffnesses (N/m)."] = _STIFFNESSES
@@ -310,3 +310,19 @@ SECTIONS = [
         of="momentum",
     ),
 ]
+STUDY = Study(
+    name="patch_tests",
+    title="Patch tests and momentum of contact formulations",
+    options=Options,
+    cases=cases,
+    evaluate=evaluate,
+    quick={
+        "P": (1e6, 1e14),
+        "gauss": (5,),
+        "samples": 9,
+        "interfaces": ("flat",),
+        "meshes": ("NURBS",),
+        "formulations": ("Greville", "GPTS 5", "GPTS 5, lumped", "segments", "mortar"),
+    },
+    sections=SECTIONS,
+)

@@ -17,7 +17,7 @@ from comparisons.study.formulations import Variant, variants
 from comparisons.study.matching import match_spectrum
 from comparisons.study.numbers import shown
 from comparisons.study.sections import Column, Plot, Section, Table
-from comparisons.study.study import Case, Session, StudyResult
+from comparisons.study.study import Case, Session, Study, StudyResult
 from exact_cea.reference import exact_eigenvalues
 from scenes.spec.body import backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene
@@ -34,7 +34,7 @@ _STIFFNESSES = (*(float(10**k) for k in range(10)), inf)
 
 @dataclass(frozen=True)
 class Options:
-    """Options of locking."""
+    """Options of the study."""
 
     # body a has E = 0.1 and thickness 0.5; infinite p uses the saddle form
     p: Annotated[tuple[float, ...], "Contact stiffnesses (N/m^3)."] = _STIFFNESSES
@@ -75,25 +75,24 @@ def scene(case: Case, options: Options) -> Scene:
     return offered(options, case["backend"])[case["formulation"]].of(blocks, p=case["p"])
 
 
-def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
+def evaluate(case: Case, session: Session) -> dict[str, Any]:
     """Return the worst relative error; an eigenvalue with an error above 15 % is lost."""
     result = session.solve()
     exact = exact_eigenvalues("blocks", p=case["p"], mu=_MU0, max_frequency=_HIGHEST)
     match = match_spectrum(result.eigenvalues, exact, reach=_MARGIN - 1)
     worst = float(match.errors.max())
     a = result.interfaces["interface"].a
-    row = {
+    return {
         "points": sum(len(interface.points) for interface in result.interfaces.values()),
         "traces": len(a.abscissae(a.abscissa_kinds[0])),
         "lost": not isfinite(worst),
         "error": worst if isfinite(worst) else None,
     }
-    return {"locking": [row]}
 
 
 def finite(result: StudyResult) -> pd.DataFrame:
     """Runs with finite p."""
-    return result.frame("locking").query("p < inf")
+    return result.frame().query("p < inf")
 
 
 def locked(result: StudyResult) -> dict[str, list[str]]:
@@ -124,7 +123,7 @@ SECTION = Section(
         Table(
             "locking",
             "Error at each p.",
-            lambda result: wide(result.frame("locking"), _LABELS, "p", "error"),
+            lambda result: wide(result.frame(), _LABELS, "p", "error"),
             OWN,
         )
     ],
@@ -141,5 +140,20 @@ SECTION = Section(
             OWN,
         )
     ],
-    of="locking",
+    of="runs",
+)
+STUDY = Study(
+    name="locking",
+    title="Locking of contact formulations",
+    options=Options,
+    cases=cases,
+    scene=scene,
+    evaluate=evaluate,
+    quick={
+        "p": (1.0, 1e6),
+        "elements_a": (6, 2),
+        "elements_b": (7, 3),
+        "formulations": ("Greville", "segments", "mortar"),
+    },
+    sections=[SECTION],
 )

@@ -1,1 +1,0 @@
-"""Modes of the ventilated brake on a sequence of refined meshes."""

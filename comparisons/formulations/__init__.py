@@ -1,1 +1,0 @@
-"""Tests of every contact formulation: patch tests, momentum, locking."""
