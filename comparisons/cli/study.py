@@ -22,6 +22,7 @@ STUDIES = {
     "patch_tests": ("patch_tests", "Patch tests and momentum of each formulation."),
     "locking": ("locking", "Which formulations lock as contact stiffness grows."),
     "stability": ("stability.study", "Stiff and extreme scenes against references."),
+    "brake": ("brake.study", "A ventilated brake on several meshes."),
     "damping": ("damping", "Effect of damping on the flutter threshold."),
 }
 """Module of each study below comparisons, and its help text."""

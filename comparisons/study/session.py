@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from comparisons.study.shapes import Shapes, by_importance
+from comparisons.study.shapes import Shapes, by_importance, mode_rows
 from scenes import Result, run_scene
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene
@@ -87,13 +87,8 @@ class Session:
         from 0, most important first, by default all but stable ones; shapes beyond the size limit
         of a page are left out.
         """
-        rows = result.table()
         if numbers is None:
+            rows = result.table()
             numbers = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
         self.shapes.add(name, result, numbers, title)
-        kept = ("mode", "frequency", "damping_ratio", "uncertainty", "verdict")
-        return [
-            {"shape": f"{name}/{row['mode']}", "growth": row["growth_rate"]}
-            | {key: row[key] for key in kept}
-            for row in rows
-        ]
+        return mode_rows(name, result)

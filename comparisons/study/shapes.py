@@ -160,6 +160,16 @@ def _sharp_edges(surface: Any) -> Ints:
     return np.asarray(edges.point_data["number"])[edges.lines.reshape(-1, 3)[:, 1:]]
 
 
+def mode_rows(name: str, result: Result) -> list[dict[str, Any]]:
+    """A row for each mode of a result, with the name of its shape."""
+    kept = ("mode", "frequency", "damping_ratio", "uncertainty", "verdict")
+    return [
+        {"shape": f"{name}/{row['mode']}", "growth": row["growth_rate"]}
+        | {key: row[key] for key in kept}
+        for row in result.table()
+    ]
+
+
 def by_importance(result: Result) -> list[int]:
     """Numbers of modes from 0: growing ones first, by falling growth rate, then undecided ones."""
     rows = result.table()

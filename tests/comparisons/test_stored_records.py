@@ -10,6 +10,7 @@ from comparisons.accuracy.errors import measure
 from comparisons.accuracy.problems import PROBLEMS
 from comparisons.accuracy.study import STUDY as ACCURACY
 from comparisons.bench.calculix import STUDY as CALCULIX
+from comparisons.brake.study import STUDY as BRAKE
 from comparisons.paper.study import STUDY as PAPER
 from comparisons.study.result import read
 from comparisons.study.run import key_of
@@ -17,7 +18,7 @@ from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.results.record import PROVENANCE, read_record
 
-STUDIES = (PAPER, ACCURACY, CALCULIX)
+STUDIES = (PAPER, ACCURACY, BRAKE, CALCULIX)
 RECORDS = {study.name: study.shipped for study in STUDIES}
 RECORDS[SWEEP] = Path(sweep_page.__file__).with_name("results")
 

@@ -48,6 +48,7 @@ def test_quick_options_run_and_show(name, place, tmp_path):
     ("study", "change"),
     [
         ("accuracy", {"problems": ("violin",)}),
+        *(("brake", {"sizes": sizes}) for sizes in ((), (0.01, 0.02), (0.01, 0.01), (-0.01,))),
         ("solve", {"repeats": 0}),
         ("scaling", {"ranks": ()}),
     ],

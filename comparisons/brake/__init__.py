@@ -1,0 +1,1 @@
+"""Modes of the ventilated brake on a sequence of refined meshes."""
