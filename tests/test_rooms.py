@@ -22,6 +22,8 @@ APPLICATIONS = sorted(
     for folder in (ROOT / "comparisons").iterdir()
     if (folder / "__init__.py").is_file() and folder.name not in ("study", "cli")
 )
+BESIDE_US = "comparisons.bench.assembly"
+"""Programs that assembly is compared with and that come with this one."""
 DRAWING = (
     "scenes.pictures.drawing",
     "scenes.pictures.grids",
@@ -34,7 +36,7 @@ LIBRARIES = {
     "gmsh": ("meshes",),
     "matplotlib": ("comparisons",),
     "flint": ("exact_cea",),
-    "dolfinx ufl basix ffcx": ("fe_cea",),
+    "dolfinx ufl basix ffcx": ("fe_cea", BESIDE_US),
     "typer rich": ("comparisons.cli",),
     "pyvista vtk vtkmodules": DRAWING,
 }
@@ -140,10 +142,12 @@ def test_no_application_is_imported_by_another_or_by_the_engine(room):
     assert beyond(f"comparisons.{room}", allowed) == {}
 
 
-def test_the_command_line_is_imported_by_none():
-    cli = ["comparisons.cli"]
-    importers = {m for m, others in WITHIN.items() if any(lies_in(o, cli) for o in others)}
-    assert {module for module in importers if not lies_in(module, cli)} == set()
+@pytest.mark.parametrize(
+    ("hidden", "home"), [("comparisons.cli", "comparisons.cli"), (BESIDE_US, "comparisons.bench")]
+)
+def test_the_command_line_and_programs_beside_this_one_are_imported_by_none(hidden, home):
+    importers = {m for m, others in WITHIN.items() if any(lies_in(o, [hidden]) for o in others)}
+    assert {module for module in importers if not lies_in(module, [home])} == set()
 
 
 @pytest.mark.parametrize("names", LIBRARIES)

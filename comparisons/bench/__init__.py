@@ -1,1 +1,1 @@
-"""Time and memory of solution and parallel runs, and of other programs: `cea bench`."""
+"""Time and memory of assembly, solution and parallel runs, and of other programs: `cea bench`."""

@@ -35,6 +35,21 @@ COMMANDS = {
     "doctor": ("app:doctor", "Check whether this installation works, and how to repair it."),
 }
 """Module and function of each command below this package, and its help text."""
+RENAMED = {
+    "accuracy": "study accuracy",
+    "brake": "study brake",
+    "claims": "paper claims",
+    "damping": "study damping",
+    "stability": "study stability",
+    "compare": "study agreement",
+    "export": "scene export",
+    "figure": "paper",
+    "formulations": "study patch_tests or locking",
+    "peers": "bench calculix",
+    "race": "bench matrices",
+    "reference": "converge disc_pad",
+}
+"""Old names of commands, and their current names."""
 
 
 class _Commands(LazyGroup):
@@ -57,6 +72,12 @@ class _Commands(LazyGroup):
                 option = name or (before if before.startswith("--") else "")
                 raise InputError(option[2:] or "argument", "", "something that is not empty")
         return super().parse_args(ctx, args)
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """A command; an old name is refused with the current one."""
+        if name in RENAMED:
+            raise InputError("command", name, f"its new name: cea {RENAMED[name]}")
+        return super().get_command(ctx, name)
 
     def make(self, name: str) -> Any:
         """Import a command."""

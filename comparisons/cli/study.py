@@ -28,6 +28,7 @@ STUDIES = {
 """Module of each study below comparisons, and its help text."""
 _BESIDE_EXACT = ("accuracy", "locking", "stability", "damping")  # need exact_cea
 BENCHMARKS = {
+    "assembly": ("bench.assembly", "Stiffness and mass, against dolfinx."),
     "solve": ("bench.solve", "Modes of disc_pad, against SLEPc, scipy, projection."),
     "scaling": ("bench.scaling", "More ranks and finer meshes."),
     "matrices": ("bench.matrices", "Matrices from files, against scipy."),

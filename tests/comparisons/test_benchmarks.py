@@ -7,9 +7,11 @@ import decks
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.sparse.linalg import eigsh
 
 from cea.errors import ConvergenceError
-from comparisons.bench import calculix, ccx, scaling, solve
+from cea.matrices import local_part
+from comparisons.bench import assembly, calculix, ccx, scaling, solve
 from comparisons.bench.methods import METHODS, OURS
 from comparisons.study.measure import measured
 from comparisons.study.page import write_study
@@ -17,11 +19,42 @@ from comparisons.study.result import read
 from comparisons.study.run import run
 from scenes import run_modes
 
+BOXES = (2, 3, 1)
+
+
+def matrices_of(program, family, degree):
+    """Stiffness and mass, scipy."""
+    made = assembly.PROGRAMS[program](family, degree, BOXES)
+    return local_part(made.stiffness()).tocsc(), local_part(made.mass()).tocsc()
+
+
+def test_programs_give_the_same_matrices():
+    """Their order of dofs differs, mass and elastic eigenvalues of the free body do not."""
+    every = [matrices_of(program, "Q", 2) for program in assembly.PROGRAMS]
+    assert every[0][1].sum() == pytest.approx(every[1][1].sum(), rel=1e-12)
+    values = [np.sort(eigsh(K, 9, M, sigma=-0.1, return_eigenvectors=False))[6:] for K, M in every]
+    np.testing.assert_allclose(*values, rtol=1e-9)
+    assert values[0][0] > 0.01
+
 
 def given(rows, columns, **labels):
     """A result with rows of values in some columns, and the same labels in all."""
     frame = pd.DataFrame(rows, columns=columns.split()).assign(**labels)
     return SimpleNamespace(frame=lambda: frame)
+
+
+def test_ratios_are_to_the_yardstick_of_the_same_round():
+    """Ours takes twice as long as dolfinx in each round, however fast a round is."""
+    rows = [
+        (program, repeat, 2 * seconds if program == "this program" else seconds)
+        for program in assembly.PROGRAMS
+        for repeat, seconds in enumerate((2.0, 5.0))
+    ]
+    labels = {"family": "Q", "degree": 2, "elements": 3, "dofs": 9}
+    made = given([(*row, row[-1]) for row in rows], "program repeat stiffness mass", **labels)
+    found = assembly.times(made).set_index("program")
+    assert found["ratio"].tolist() == [2.0, 1.0]
+    assert found["per_element"].tolist() == pytest.approx([1e3 * 14 / 3, 1e3 * 7 / 3])
 
 
 def test_methods_agree_and_projection_is_off(tmp_path, monkeypatch):

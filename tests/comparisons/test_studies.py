@@ -24,8 +24,10 @@ QUICK = [
         for name, (place, _) in STUDIES.items()
     ),
     ("bench scaling", BENCHMARKS["scaling"][0]),
-    # test_benchmarks.py runs part of it
-    pytest.param("bench solve", BENCHMARKS["solve"][0], marks=pytest.mark.slow),
+    *(
+        pytest.param(f"bench {name}", BENCHMARKS[name][0], marks=pytest.mark.slow)
+        for name in ("solve", "assembly")  # test_benchmarks.py runs part of each
+    ),
 ]
 
 
@@ -49,7 +51,7 @@ def test_quick_options_run_and_show(name, place, tmp_path):
     [
         ("accuracy", {"problems": ("violin",)}),
         *(("brake", {"sizes": sizes}) for sizes in ((), (0.01, 0.02), (0.01, 0.01), (-0.01,))),
-        ("solve", {"repeats": 0}),
+        ("assembly", {"repeats": 0}),
         ("scaling", {"ranks": ()}),
     ],
 )

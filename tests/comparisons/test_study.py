@@ -16,6 +16,7 @@ from small_study import APART, HASTY, STUDY, Options
 
 from cea.errors import InputError
 from comparisons.cli import study as command
+from comparisons.cli.app import RENAMED
 from comparisons.study import run as engine
 from comparisons.study.page import write_study
 from comparisons.study.result import read
@@ -237,3 +238,8 @@ def test_redraw_runs_nothing(squares, tmp_path):
     assert noted(tmp_path) == ["2"]
     assert "quick" in squares("--redraw --quick --out .")[2]
     assert "LABEL=VALUE" in squares("--only size --out .")[2]
+
+
+@pytest.mark.parametrize("name", RENAMED)
+def test_an_old_name_tells_the_new_one(name, cea):
+    assert f"cea {RENAMED[name]}" in cea(name)[2]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import cea
-from comparisons.cli.app import COMMANDS
+from comparisons.cli.app import COMMANDS, RENAMED
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -38,6 +38,7 @@ def test_every_command_that_is_named_exists():
     texts = [path.read_text(encoding="utf-8") for path in DOCUMENTS if path.name != "CHANGELOG.md"]
     named = {name for text in texts for name in re.findall(r"[`/ ]cea ([a-z]+)\b(?!/)", text)}
     assert "run" in named
+    assert named & set(RENAMED) == set()
     assert named <= set(COMMANDS)
 
 
