@@ -22,11 +22,14 @@ _REFUSED = 0.08
 
 _ROUNDING = 3e-13
 """Rounding of matrices and of the dense reference, relative to its 24th lowest kappa."""
+_DEPENDENT = 1e-7
+"""Relative rounding of the dense reference where gaps at more points than a side has traces are
+stiff and friction varies along them."""
 _RIGID = 2e-4
 """Part of the kappa of the window to which errors of lower modes are relative."""
 
 
-def judged_by_dense(data):
+def judged_by_dense(data, least=_DEPENDENT):
     """Verdict on a run: no mode is missing, none made up or misjudged."""
     values = np.empty(0)
     with suppress(InputError, SceneError):  # it is refused by the run too
@@ -39,7 +42,7 @@ def judged_by_dense(data):
         problem=OfScene(data),
         reference=Reference("dense", lambda: values),
         expected=EXPECTED["honest"],
-        tolerance=max(1e-8, rounding / (_RIGID * top)),
+        tolerance=max(least, rounding / (_RIGID * top)),
     )
     row = judged(run)
     assert row["verdict"] != "WRONG", (data["name"], row)
@@ -100,7 +103,7 @@ def test_closures_that_nearly_depend_on_each_other():
         "contacts": {"between": contact},
         "analysis": {"kind": "cea", "max_frequency": 0.164527},
     }
-    judged_by_dense(data)
+    judged_by_dense(data, least=1e-8)
 
 
 @pytest.mark.slow
