@@ -1,7 +1,8 @@
 """Storage of full solves and finished lines of a sweep, from which an interrupted one resumes.
 
-The folder is named like that of the result with the ending ``.unfinished``. It holds every full
-solve (a file for each rank), from which the basis is rebuilt, and every finished line of points.
+The folder is named like that of the result with the ending ``.unfinished``. It holds the full
+solves of every box (a file for each rank), from which its basis is rebuilt, and every finished line
+of points.
 """
 
 import json
@@ -9,6 +10,7 @@ import pickle
 import shutil
 from collections.abc import Iterator, Mapping
 from hashlib import sha256
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -27,11 +29,14 @@ _ABOUT = "sweep.json"
 
 
 class Store:
-    """The folder of an unfinished sweep; it is emptied if it belongs to another ``about``."""
+    """The folder of an unfinished sweep; it is emptied if it belongs to another ``about``.
+
+    ``stored`` is the number of full solves that it held.
+    """
 
     def __init__(self, out: Path, about: Mapping[str, Any], comm: Any) -> None:
         self.folder = out.with_name(out.name + ".unfinished")
-        self._comm, self.stored = comm, 0
+        self._comm = comm
         if comm.rank == 0:
             told = json.dumps({**about, "ranks": comm.size}, sort_keys=True)
             file = self.folder / _ABOUT
@@ -39,9 +44,7 @@ class Store:
                 shutil.rmtree(self.folder, ignore_errors=True)
                 write_whole(told.encode(), file)
         comm.barrier()
-        while comm.allreduce(self._file(_solve(self.stored)).is_file()) == comm.size:
-            self.stored += 1
-        self._count = self.stored
+        self.stored = comm.allreduce(len(list(self.folder.glob("*-solve-*")))) // comm.size**2
 
     def keep(self, name: str, made: Any) -> None:
         """Store an object of this rank under a name."""
@@ -52,15 +55,17 @@ class Store:
         file = self._file(name)
         return pickle.loads(file.read_bytes()) if file.is_file() else None
 
-    def keep_solve(self, solve: Snapshot) -> None:
-        """Store a full solve; it is complete once every rank has written it."""
-        self.keep(_solve(self._count), solve)
-        self._count += 1
+    def keep_solve(self, box: str, number: int, solve: Snapshot) -> None:
+        """Store a full solve of a box; it is complete once every rank has written it."""
+        self.keep(_solve(box, number), solve)
 
-    def solves(self) -> Iterator[Snapshot]:
-        """Yield the stored full solves in their order."""
-        for number in range(self.stored):
-            yield self.kept(_solve(number))
+    def solves(self, box: str) -> Iterator[Snapshot]:
+        """Yield the stored full solves of a box in their order."""
+        for number in count():
+            name = _solve(box, number)
+            if self._comm.allreduce(self._file(name).is_file()) < self._comm.size:
+                return
+            yield self.kept(name)
 
     def discard(self) -> None:
         """Remove the folder: its sweep is finished."""
@@ -72,8 +77,8 @@ class Store:
         return self.folder / f"{name}.rank{self._comm.rank}"
 
 
-def _solve(number: int) -> str:
-    return f"solve-{number:04d}"
+def _solve(box: str, number: int) -> str:
+    return f"{box}-solve-{number:04d}"
 
 
 def fingerprint(scene: SweptScene) -> list[str]:

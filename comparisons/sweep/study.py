@@ -16,7 +16,7 @@ from cea.ranks import agreed
 from cea.reduced.crossings import Threshold
 from cea.reduced.full_solves import confirm, line_of_model
 from cea.reduced.greedy import TOLERANCE, Enrichment
-from cea.reduced.model import ReducedModel
+from cea.reduced.model import ReducedModel, Snapshot
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import thresholds_along
 from comparisons.study.run_warnings import Run
@@ -187,7 +187,9 @@ class _OnBasis:
         number: int,
     ) -> None:
         self._asked, self._scene, self._progress = asked, scene, progress
-        self._store, self._name, self._box = store, f"box-{number:03d}", scene.points.boxes[number]
+        self._store, self._box, self._own = store, scene.points.boxes[number], 0
+        boxes = [f"box-{i:03d}" for i in range(number + 1)]
+        self._name = boxes[-1]
         low, high = (scene.point(each) for each in zip(*self._box.ends, strict=True))
         ends = {name: (low[name], high[name]) for name in low}
         top, low_growth = scene.window.max_frequency, scene.window.min_growth
@@ -195,11 +197,13 @@ class _OnBasis:
         level = scene.window.growth_threshold or 0.0
         self._window = replace(model.small.window, level=level)
         settings = asked.tolerance, asked.most, scene.warnings
-        self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep_solve)
-        for solve in store.solves():
-            at = solve.about["point"]
-            if all(low[name] <= at[name] <= high[name] for name in at):
-                self.basis.take(solve)
+        self.basis = Enrichment(model, scene.driver, *settings, self._begin, self._keep)
+        for name in boxes:  # solves of earlier boxes lie on the border, if at all
+            for solve in store.solves(name):
+                at = solve.about["point"]
+                if all(low[field] <= at[field] <= high[field] for field in at):
+                    self.basis.take(solve)
+                    self._own += name == self._name
 
     def solved(self) -> tuple[dict[int, dict[str, Any]], list[FoundAlong]]:
         """Return the rows of the points of the box, by index, and thresholds along its lines."""
@@ -252,6 +256,10 @@ class _OnBasis:
                     "full solves found missing modes, or errors above the bounds of the reduced "
                     "model; lower max_frequency, or allow more full solves"
                 )
+
+    def _keep(self, solve: Snapshot) -> None:
+        self._store.keep_solve(self._name, self._own, solve)
+        self._own += 1
 
     def _begin(self, point: Mapping[str, float]) -> None:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
