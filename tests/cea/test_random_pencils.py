@@ -4,21 +4,26 @@ from functools import partial
 
 import numpy as np
 import pytest
+from eigen_numbers import graded
+from mpi import on_ranks
 from petsc_matrices import to_petsc
 from random_pencils import (
     POWERS,
+    pencil_of,
     random_graded,
     random_graded_damped,
     random_linear,
     random_low_rank,
     random_quadratic,
+    sheared,
 )
-from random_runs import outcome
+from random_runs import judged, pencil_outcome
 
 from cea.eigen import driver
 from cea.eigen.block_products import times
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
+from cea.errors import ConvergenceError
 
 PENCILS = {
     "linear": random_linear,
@@ -31,9 +36,8 @@ PENCILS = {
 
 def check(kind, seeds, refused=0.0):
     """Nothing is wrong, little but of graded pencils is refused or left open."""
-    outcomes = [outcome(PENCILS[kind](seed)) for seed in seeds]
-    assert [(each.name, fault) for each in outcomes for fault in each.faults[:1]] == []
-    assert sum(each.modes for each in outcomes) > len(seeds)
+    outcomes = judged(seeds, lambda seed: pencil_outcome(PENCILS[kind](seed)))
+    assert sum(outcome.modes for outcome in outcomes) > len(seeds)
     graded = kind.startswith("graded")
     assert graded or sum(bool(o.refused) for o in outcomes) <= refused * len(outcomes)
     known = [o for o in outcomes if o.refused is None and o.complete and not o.undecided]
@@ -80,8 +84,26 @@ def test_krylov_spaces_find_all_of_them_too(kind, seeds, monkeypatch):
     check(kind, seeds, refused=0.01)
 
 
+def test_what_no_scaling_mends_is_owned_to():
+    """Eigenvalues are whole numbers, and known to what the result says, or it is refused."""
+    known = 0
+    for seed in range(60):
+        matrix, kappa = sheared(seed)
+        try:
+            pencil = pencil_of(np.eye(len(matrix)), None, matrix, graded=True)
+            modes = solve_modes(pencil, float(np.sqrt(kappa.max() + 0.5)) / (2 * np.pi))
+        except ConvergenceError:
+            continue
+        exact = 1j * np.concatenate([-np.sqrt(kappa), np.sqrt(kappa)])
+        error = np.abs(modes.eigenvalues[:, None] - exact).min(axis=1)
+        assert (error <= modes.growth_uncertainties + 1e-14).all()
+        assert "unstable" not in modes.verdicts()
+        known += 1
+    assert known > 30
+
+
 PROBLEMS = {f"{seed} {power}": random_graded(seed, power) for power in POWERS for seed in (0, 1)}
-PROBLEMS |= {"damped": random_graded_damped(3, 20), "low rank": random_low_rank(3)}
+PROBLEMS |= {"damped": random_graded_damped(1, 20), "low rank": random_low_rank(3)}
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
@@ -105,6 +127,18 @@ def test_eigenvectors_are_those_of_the_unknowns_as_given(name):
     assert np.einsum("ij,ij->j", x.conj(), M @ x).real == pytest.approx(np.ones(len(modes)))
     overlap, size = y.conj().T @ (M @ x), np.abs(y).T @ (np.abs(M) @ np.abs(x))
     assert (np.abs(overlap - np.eye(len(modes))) <= 1e-9 * size).all()
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("seed", "damped"), [(5, False), (1, True)])
+def test_ranks_agree(ranks, seed, damped):
+    alone = graded(seed, damped)
+    several = on_ranks(ranks, graded, seed, damped)
+    assert len(alone["im"]) > 1
+    assert several["verdicts"] == alone["verdicts"]
+    for part in ("re", "im"):
+        assert several[part] == pytest.approx(alone[part], rel=1e-8, abs=1e-10)
 
 
 @pytest.mark.parametrize("order", ["F", "C"])

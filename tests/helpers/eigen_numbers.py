@@ -2,6 +2,7 @@
 
 import numpy as np
 from blocks import assemble, coarse, two_blocks
+from random_pencils import random_graded
 
 from cea.eigen.coefficients import Coefficient
 from cea.eigen.driver import EigenSolver, solve_modes
@@ -52,3 +53,14 @@ def damped_blocks():
             near = driver.nearest(-((0.2 + 4j) ** 2), 3).eigenvalues
         found |= {f"near {form}": [*near.real, *near.imag]}
     return found | {"re": found["re penalty"]}
+
+
+def graded(seed, damped):
+    """Eigenvalues and verdicts of a graded pencil, with left vectors."""
+    problem = random_graded(seed, 20, damped=damped)
+    modes = solve_modes(problem.pencil(), problem.max_frequency, left=True)
+    return {
+        "re": modes.growth_rates.tolist(),
+        "im": modes.eigenvalues.imag.tolist(),
+        "verdicts": modes.verdicts(),
+    }

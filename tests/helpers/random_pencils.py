@@ -8,7 +8,7 @@ before.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from petsc_matrices import linear_with_errors, quadratic_with_errors
+from dense_reference import dense_linear, dense_quadratic
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
@@ -56,15 +56,15 @@ class RandomPencil:
         return Pencil([*made.terms, friction])
 
     def dense(self):
-        """All eigenvalues kappa, or lambda of a damped one, and what rounding moves each by."""
+        """All eigenvalues kappa of an undamped one, or lambda and their errors of a damped one."""
         D, end = self.damping, 2 * np.pi * self.max_frequency
         if self.low_rank is not None:
             W, d = self.low_rank
             D = (W * d) @ W.T + (0 if D is None else D)
         if D is None:
             friction = 0.0 if self.friction is None else self.friction
-            return linear_with_errors(self.mass, self.stiffness - friction)
-        return quadratic_with_errors(self.mass, D, self.stiffness, end)
+            return dense_linear(self.mass, self.stiffness - friction)
+        return dense_quadratic(self.mass, D, self.stiffness, end)
 
 
 def pencil_of(mass, damping, stiffness, low_rank=None, *, graded=False) -> Pencil:
@@ -232,28 +232,35 @@ def _coupled(rng, kappa, speed) -> tuple[np.ndarray, np.ndarray]:
     return K, D
 
 
-_KINDS = ("similar", "congruent", "similar", "congruent", "near defective")
+_KINDS = ("similar", "two-sided", "congruent", "two units", "near defective", "beside a large one")
 
 
 def random_graded(seed: int, power: int | None = None, *, damped: bool = False) -> RandomPencil:
     """A graded pencil of 4 to 60 unknowns, of a largest power of two, or one that is drawn."""
-    rng, kind = np.random.default_rng([seed, 8 if damped else 7]), _KINDS[seed % 5]
+    rng, kind = np.random.default_rng([seed, 8 if damped else 7]), _KINDS[seed % (6 - damped)]
     drawn = int(rng.choice(POWERS))
     power = drawn if power is None else power
     n = int(rng.integers(4, 9) if rng.random() < 0.7 else rng.integers(9, 61))
     M, A = np.eye(n), _unsymmetric(rng, n)
-    left = 2.0 ** rng.integers(-power, power + 1, n)
-    if rng.random() < 0.5:  # rising with the unknowns
-        left = 2.0 ** np.round(np.linspace(-power, power, n))
+    left = _powers(rng, n, min(power, 20) if kind == "beside a large one" else power)
     right = 1 / left
-    if kind == "congruent":
-        half = np.eye(n) + 0.3 * rng.standard_normal((n, n)) / np.sqrt(n)
-        M, right = _symmetric(half @ half.T), left
-    if kind == "near defective":
-        A = np.diag(rng.uniform(0.5, 1.5, n))
-        A[0, 0] = A[1, 1] = 1.0
-        A[0, 1], A[1, 0] = 0.5, rng.choice([0.0, 1e-4, -1e-4, 1e-8, -1e-8, 1e-12])
-        A[2:, 2:] += 0.2 * rng.standard_normal((n - 2, n - 2)) / np.sqrt(n)
+    match kind:
+        case "two-sided":
+            M, right = np.diag(rng.uniform(0.3, 3.0, n)), _powers(rng, n, power)
+        case "congruent":
+            M, right = _mass(rng, n), left
+        case "two units":  # of unknowns and of equations; the mass couples none of different
+            first = np.arange(n) < n // 2
+            M = _mass(rng, n) * (first == first[:, None])
+            left = np.where(first, *2.0 ** rng.integers(-power, power + 1, 2))
+            right = np.where(first, *2.0 ** rng.integers(-power, power + 1, 2))
+        case "near defective":
+            A = np.diag(rng.uniform(0.5, 1.5, n))
+            A[0, 0] = A[1, 1] = 1.0
+            A[0, 1], A[1, 0] = 0.5, rng.choice([0.0, 1e-4, -1e-4, 1e-8, -1e-8, 1e-12])
+            A[2:, 2:] += 0.2 * rng.standard_normal((n - 2, n - 2)) / np.sqrt(n)
+        case "beside a large one":  # which hides how the others are graded
+            A[0, 0] = 2.0 ** (power + rng.integers(0, 5))
     end = float(rng.uniform(0.6, 1.6) / (2 * np.pi))
     D, name = _damping(rng, n) if damped else None, f"graded {seed}: {kind}, 2^{power}"
     return RandomPencil(name, M, A, D, end, scales=(left, right))
@@ -264,11 +271,27 @@ def random_graded_damped(seed: int, power: int | None = None) -> RandomPencil:
     return random_graded(seed, power, damped=True)
 
 
+def _powers(rng, n, power) -> np.ndarray:
+    """Random ones, or rising with the unknowns, or of two units."""
+    kind = rng.integers(3)
+    if kind == 0:
+        return 2.0 ** rng.integers(-power, power + 1, n)
+    if kind == 1:
+        return 2.0 ** np.round(np.linspace(-power, power, n))
+    return np.where(np.arange(n) < n // 2, 2.0**power, 2.0**-power)
+
+
 def _unsymmetric(rng, n) -> np.ndarray:
     """An unsymmetric matrix with eigenvalues about one, or anywhere."""
     if rng.random() < 0.7:
         return np.diag(rng.uniform(0.5, 1.5, n)) + 0.3 * rng.standard_normal((n, n)) / np.sqrt(n)
     return rng.standard_normal((n, n)) / np.sqrt(n) + 0.5 * np.eye(n)
+
+
+def _mass(rng, n) -> np.ndarray:
+    """A symmetric positive definite one."""
+    half = np.eye(n) + 0.3 * rng.standard_normal((n, n)) / np.sqrt(n)
+    return _symmetric(half @ half.T)
 
 
 def _damping(rng, n) -> np.ndarray:
@@ -282,6 +305,25 @@ def _damping(rng, n) -> np.ndarray:
         half + np.eye(n),
     ]
     return size * kinds[kind]
+
+
+def sheared(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Integers that no scaling makes well-conditioned, shape (n, n), and eigenvalues, exact.
+
+    P diag(kappa) P^-1 with whole numbers throughout: P is a product of triangular matrices with
+    ones on the diagonal.
+    """
+    rng = np.random.default_rng([seed, 9])
+    n = int(rng.integers(2, 6))
+    size = int(rng.integers(1, {2: 3000, 3: 60, 4: 12, 5: 6}[n]))
+    low = np.tril(rng.integers(-size, size + 1, (n, n)), -1) + np.eye(n, dtype=int)
+    high = np.triu(rng.integers(-size, size + 1, (n, n)), 1) + np.eye(n, dtype=int)
+    kappa = rng.permutation(np.arange(1, 2 * n + 1))[:n]
+    # triangular with ones on the diagonal: inverses are whole too
+    of_low, of_high = (np.rint(np.linalg.inv(each)).astype(int) for each in (low, high))
+    whole = low @ high @ np.diag(kappa) @ of_high @ of_low
+    assert np.abs(whole).max() < 2**53
+    return whole.astype(float), kappa.astype(float)
 
 
 def _symmetric(matrix) -> np.ndarray:

@@ -1,18 +1,10 @@
 """Random small scenes agree with dense eigenvalues, in what they list and in what they conclude."""
 
-from contextlib import suppress
-
 import numpy as np
 import pytest
-from random_scenes import random_data
+from random_runs import judged, outcome_of_scene, scene_outcome
 
-from cea.errors import InputError
-from comparisons.stability.case import EXPECTED, Reference, Run
-from comparisons.stability.dense import dense_eigenvalues
-from comparisons.stability.problems import NOT_COMPLETE, OfScene
-from comparisons.stability.verdicts import judged
-from comparisons.stability.ways import Way
-from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
 
 FIRST, CHUNK = 20_000, 10
 """Seed of the first scene, scenes of a test."""
@@ -20,44 +12,12 @@ _REFUSED = 0.08
 """Part of the scenes that may be refused: random ones ask for what cannot be had."""
 
 
-_ROUNDING = 3e-13
-"""Rounding of matrices and of the dense reference, relative to its 24th lowest kappa."""
-_DEPENDENT = 1e-7
-"""Relative rounding of the dense reference where gaps at more points than a side has traces are
-stiff and friction varies along them."""
-_RIGID = 2e-4
-"""Part of the kappa of the window to which errors of lower modes are relative."""
-
-
-def judged_by_dense(data, least=_DEPENDENT):
-    """Verdict on a run: no mode is missing, none made up or misjudged."""
-    values = np.empty(0)
-    with suppress(InputError, SceneError):  # it is refused by the run too
-        values = dense_eigenvalues(data)
-    size, top = np.abs(values) ** 2, (2 * np.pi * data["analysis"]["max_frequency"]) ** 2
-    rounding = _ROUNDING * np.sort(size)[:24].max(initial=0.0)
-    run = Run(
-        row=data["name"],
-        way=Way("", ""),
-        problem=OfScene(data),
-        reference=Reference("dense", lambda: values),
-        expected=EXPECTED["honest"],
-        tolerance=max(least, rounding / (_RIGID * top)),
-    )
-    row = judged(run)
-    assert row["verdict"] != "WRONG", (data["name"], row)
-    told = row["verdict"] == "refused" or NOT_COMPLETE in row["says"]
-    assert told or not (row["missing"] or row["spurious"]), (data["name"], row)
-    return row["verdict"]
-
-
 @pytest.mark.parametrize(
     "chunk", [0, *(pytest.param(chunk, marks=pytest.mark.slow) for chunk in range(1, 10))]
 )
 def test_a_hundred_random_scenes(chunk):
     first = FIRST + CHUNK * chunk
-    for seed in range(first, first + CHUNK):
-        judged_by_dense(random_data(seed))
+    judged(range(first, first + CHUNK), scene_outcome)
 
 
 def test_closures_that_nearly_depend_on_each_other():
@@ -103,11 +63,12 @@ def test_closures_that_nearly_depend_on_each_other():
         "contacts": {"between": contact},
         "analysis": {"kind": "cea", "max_frequency": 0.164527},
     }
-    judged_by_dense(data, least=1e-8)
+    judged([read_scene(data)], lambda scene: outcome_of_scene(scene.name, scene))
 
 
 @pytest.mark.slow
 def test_a_thousand_random_scenes():
-    verdicts = [judged_by_dense(random_data(seed)) for seed in range(1000)]
-    assert verdicts.count("refused") <= _REFUSED * len(verdicts)
-    assert verdicts.count("accurate") >= 0.7 * len(verdicts)
+    outcomes = judged(range(1000), scene_outcome)
+    assert sum(outcome.refused is not None for outcome in outcomes) <= _REFUSED * len(outcomes)
+    assert not any(outcome.unsure for outcome in outcomes)
+    assert {outcome.verdict for outcome in outcomes} >= {"stable", "unstable"}
