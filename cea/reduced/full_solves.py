@@ -138,9 +138,8 @@ def first_threshold(
     first = min(begins, key=order, default=None)
     before = found.unresolved
     if first is not None:
-        nearer = frequency is None
-        before = [each for each in before if nearer and way * each.low < way * first.value]
-    if before:
+        before = [each for each in before if way * each.low < way * first.value]
+    if before and (first is None or frequency is None):
         where = ", ".join(f"{each.low:.6g} to {each.high:.6g}" for each in before)
         raise ConvergenceError(f"unresolved intervals may contain thresholds: {where}")
     if first is None:

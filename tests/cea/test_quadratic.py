@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
+from dense_reference import dense_quadratic
 from eigen_numbers import damped, damped_blocks
 from mpi import on_ranks
-from petsc_matrices import quadratic_with_errors, to_petsc
+from petsc_matrices import to_petsc
 from random_pencils import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array
@@ -146,9 +147,7 @@ def test_bounds_of_growth_hold():
     for seed in range(60):
         problem = random_quadratic(seed)
         end = 2 * np.pi * problem.max_frequency
-        values, errors = quadratic_with_errors(
-            problem.mass, problem.damping, problem.stiffness, end
-        )
+        values, errors = dense_quadratic(problem.mass, problem.damping, problem.stiffness, end)
         inside = np.abs(values.imag) < end - errors
         fastest = (values.real - 10 * errors)[inside].max(initial=-np.inf)
         matrices = problem.pencil().at()

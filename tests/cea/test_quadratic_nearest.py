@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from covering import covering
-from petsc_matrices import quadratic_with_errors, to_petsc
+from dense_reference import dense_quadratic
+from petsc_matrices import to_petsc
 from random_pencils import pencil_of
 
 from cea.eigen.driver import EigenSolver
@@ -26,7 +27,7 @@ def matrices(seed=1, *, friction=0.3, turning=0.2, damping=0.02):
 
 
 def in_upper_half(M, D, K, scale):
-    values, _ = quadratic_with_errors(M, D, K, scale)
+    values, _ = dense_quadratic(M, D, K, scale)
     return values[values.imag >= -1e-9 * scale]
 
 
@@ -65,7 +66,7 @@ def test_those_nearest_to_complex_and_real_places_are_found(place, low_rank):
 def test_overdamped_ones_next_to_a_real_place_are_real():
     M, _, K = matrices(friction=0.0, turning=0.0)
     D = 3 * np.sqrt(np.diag(np.diag(M) * np.diag(K)))  # each decays without swinging
-    dense, _ = quadratic_with_errors(M, D, K, 1.0)
+    dense, _ = dense_quadratic(M, D, K, 1.0)
     assert np.abs(dense.imag).max() < 1e-6
     with EigenSolver(pencil_of(M, D, K)) as driver:
         modes = driver.nearest(-1.0, WANTED)

@@ -1,7 +1,7 @@
 """PETSc matrices from scipy and numpy ones, and back; pencils as dense matrices."""
 
 import numpy as np
-from scipy.linalg import cholesky, eig, eigvals, solve_triangular
+from scipy.linalg import eigvals
 from scipy.sparse import csr_array
 
 from cea.eigen.coefficients import Coefficient, Parameter
@@ -61,34 +61,6 @@ def quadratic_eigenvalues(M, D, K):
     n = len(M)
     right = np.linalg.solve(M, np.hstack([-K, -D]))
     return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))
-
-
-def linear_with_errors(M, K):
-    """Every kappa of K x = kappa M x, dense, and what rounding may move each by."""
-    return _with_errors(_reduced(M, K), np.linalg.cond(M))
-
-
-def quadratic_with_errors(M, D, K, scale):
-    """Every lambda of lambda^2 M + lambda D + K, accurate about a scale, and their errors."""
-    n = len(M)
-    low = [-_reduced(M, K) / scale**2, -_reduced(M, D) / scale]
-    values, errors = _with_errors(np.block([[np.zeros((n, n)), np.eye(n)], low]), np.linalg.cond(M))
-    return values * scale, errors * scale
-
-
-def _reduced(M, A):
-    """L^-1 A L^-T with M = L L^T."""
-    root = cholesky(M, lower=True)
-    half = solve_triangular(root, A, lower=True)
-    return solve_triangular(root, half.T, lower=True).T
-
-
-def _with_errors(A, spread):
-    """Eigenvalues of a matrix, and what rounding of A times a factor may move each by."""
-    eps = np.finfo(float).eps
-    values, left, right = eig(A, left=True, right=True)
-    overlap = np.maximum(np.abs(np.sum(left.conj() * right, axis=0)), eps)
-    return values, 4 * np.sqrt(len(A)) * eps * np.linalg.norm(A, 2) * spread / overlap
 
 
 def gather(vector):
