@@ -198,7 +198,7 @@ class _OnBasis:
         self._window = replace(model.small.window, level=level)
         settings = asked.tolerance, asked.most, scene.warnings
         self.basis = Enrichment(model, scene.driver, *settings, self._begin, self._keep)
-        for name in boxes:  # solves of earlier boxes lie on the border, if at all
+        for name in boxes:  # solves of earlier boxes on the border serve this one too
             for solve in store.solves(name):
                 at = solve.about["point"]
                 if all(low[field] <= at[field] <= high[field] for field in at):
