@@ -25,6 +25,7 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from scipy.sparse import bsr_array, csr_array
 
 from cea.arrays import Floats
+from cea.body.space import Density
 from cea.material import Elasticity
 from cea.matrices import destroy, distributed, local_part
 from cea.motion import Rotation
@@ -77,15 +78,17 @@ class LagrangeMatrices:
         destroy(matrix)
         return self._matrix(_coupled(rows, blocks))
 
-    def mass(self, rho: float) -> Any:
+    def mass(self, rho: Density) -> Any:
         """Return the consistent mass (kg), symmetric, without coupling of components."""
-        rows, transposed = self._products(self._mass_quadrature)
-        return self._of_each_component(rows, 0.5 * rho * (rows.data + transposed))
+        rows, transposed = self._products(self._mass_quadrature, rho if callable(rho) else None)
+        factor = 0.5 if callable(rho) else 0.5 * rho
+        return self._of_each_component(rows, factor * (rows.data + transposed))
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Return the geometric stiffness int sigma_ij d_i u . d_j v of a displacement (N/m)."""
         integral, x, put = self._gradients(3, varies=True)
-        slopes = [self._at_points(ufl.grad(u), 3) for u in self._functions(displacement)]
+        degree = self._degree(3)
+        slopes = [self._at_points(ufl.grad(u), degree) for u in self._functions(displacement)]
         with agreed(self.comm):
             put(elasticity.stress(np.stack(slopes), x))
         rows, transposed = _scalar(integral)
@@ -137,7 +140,7 @@ class LagrangeMatrices:
             tensor: Any = Function(functionspace(mesh, element))
             at = tensor.function_space.dofmap.list
             values = tensor.x.array.reshape(-1, *shape)
-            x = self._at_points(ufl.SpatialCoordinate(mesh), factors)
+            x = self._at_points(ufl.SpatialCoordinate(mesh), degree)
 
             def put(numbers: Floats) -> None:
                 values[at.ravel()] = np.moveaxis(numbers, -1, 0)
@@ -154,18 +157,26 @@ class LagrangeMatrices:
         """Return the quadrature degree of a product of ``factors`` gradients."""
         return factors * (self._order - self._is_simplex)
 
-    def _at_points(self, expression: Any, factors: int) -> Floats:
-        """Return a vector at the quadrature points of ``factors`` gradients, (dim, n)."""
-        points, _ = make_quadrature(self._mesh.basix_cell(), self._degree(factors))
+    def _at_points(self, expression: Any, degree: int) -> Floats:
+        """Return a vector at the quadrature points of a degree, (dim, n)."""
+        points, _ = make_quadrature(self._mesh.basix_cell(), degree)
         cells = self._mesh.topology.index_map(self._mesh.topology.dim)
         every = np.arange(cells.size_local + cells.num_ghosts, dtype=np.int32)
         found = Expression(expression, points).eval(self._mesh, every)
         return found.reshape(-1, self.dim).T
 
-    def _products(self, degree: int | None = None) -> tuple[csr_array, Floats]:
-        """Return int phi_m phi_n, by default exact on affine cells."""
-        degree = 2 * self._order if degree is None else degree
-        return _scalar(self._form(self._trial * self._test, degree))
+    def _products(
+        self, degree: int | None = None, weight: Callable[[Floats], Floats] | None = None
+    ) -> tuple[csr_array, Floats]:
+        """Return int w phi_m phi_n, w = 1 or a function of x, by default exact on affine cells."""
+        degree, integrand = 2 * self._order if degree is None else degree, self._trial * self._test
+        if weight is not None:
+            element = quadrature_element(self._mesh.basix_cell(), degree=degree)
+            w = Function(functionspace(self._mesh, element))
+            x = self._at_points(ufl.SpatialCoordinate(self._mesh), degree)
+            w.x.array[w.function_space.dofmap.list.ravel()] = weight(x)
+            integrand *= w
+        return _scalar(self._form(integrand, degree))
 
     def _transport(self, rotation: Rotation, degree: int) -> tuple[csr_array, Floats]:
         """Return int phi_m v . grad phi_n with the velocity v of a rotation."""

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
+from cea.body.space import Density
 from cea.material import Elasticity
 from cea.motion import Rotation
 from iga_cea.entries import entries
@@ -73,7 +74,7 @@ class NurbsMatrices:
         data = entries(self.multipatch, self._pattern, Form(dim, coefficients), self.comm)
         return block_matrix(self._pattern, data, dim, self.comm)
 
-    def mass(self, rho: float) -> Any:
+    def mass(self, rho: Density) -> Any:
         """Return the consistent mass (kg) for a density (kg/m^3), symmetric."""
         return self._of_each_component(self._products(rho))
 
@@ -125,9 +126,16 @@ class NurbsMatrices:
             (self._products(rho), spin.T @ spin),
         )
 
-    def _products(self, rho: float) -> Floats:
+    def _products(self, rho: Density) -> Floats:
         """Return the entries of m."""
-        return self._scalar(lambda metric: {(VALUE, VALUE): rho * metric.measure[None]})
+
+        def coefficients(metric: Metric) -> Coefficients:
+            if not callable(rho):
+                return {(VALUE, VALUE): rho * metric.measure[None]}
+            densities = rho(metric.x.reshape(self.dim, -1)).reshape(metric.measure.shape)
+            return {(VALUE, VALUE): (densities * metric.measure)[None]}
+
+        return self._scalar(coefficients)
 
     def _transport(self, rho: float, rotation: Rotation) -> Floats:
         """Return the entries of A."""

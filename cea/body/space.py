@@ -4,7 +4,7 @@ A space has scalar basis functions numbered 0 .. ``num_scalar_dofs`` - 1 over al
 displacement vector holds component c of function i at ``dim * i + c``.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
@@ -63,6 +63,10 @@ class StraightCells:
     values: csr_array  # values there of the scalar basis functions, (n, num_scalar_dofs)
 
 
+type Density = float | Callable[[Floats], Floats]
+"""Density (kg/m^3), or a function that returns it at positions (m), (dim, n) to (n,)."""
+
+
 class Space(Protocol):
     """Discrete displacement space of a body: the interface that a backend implements.
 
@@ -92,7 +96,7 @@ class Space(Protocol):
     def stiffness(self, elasticity: Elasticity) -> Any:
         """Return the elastic stiffness (N/m), symmetric."""
 
-    def mass(self, rho: float) -> Any:
+    def mass(self, rho: Density) -> Any:
         """Return the consistent mass at a density (kg/m^3), symmetric, block diagonal, kg."""
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:

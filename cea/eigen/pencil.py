@@ -54,6 +54,8 @@ class Matrices:
     damping: Mat | None = None  # symmetric part of C (N s/m)
     gyroscopic: Mat | None = None  # the rest of C, due to rotation (N s/m)
     low_rank: LowRank | None = None  # low-rank terms of C (N s/m), not included in the above
+    # returns matrices of few dofs near contacts that bound K and M from below, or None
+    near: "Callable[[Matrices], Matrices | None] | None" = None
 
     @property
     def symmetric(self) -> bool:
@@ -122,6 +124,9 @@ class Pencil:
         Contact forces that are unknowns, by contact.
     low_rank, circulatory
         Low-rank terms of the damping, and circulatory terms of the stiffness.
+    near
+        Returns matrices near contacts that bound K and M from below, for given parameters and the
+        matrices there, or None (:mod:`cea.system.near_contacts`).
 
     Raises
     ------
@@ -136,12 +141,14 @@ class Pencil:
         forces: Sequence[ForcesOfContact] = (),
         low_rank: Iterable[UnformedTerm[LowRank]] = (),
         circulatory: Iterable[UnformedTerm[Circulatory]] = (),
+        near: Callable[[Mapping[str, float], Matrices], Matrices | None] | None = None,
     ) -> None:
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
         self.low_rank = tuple(low_rank)
         self.circulatory = tuple(circulatory)
+        self._near = near
         self._all_forces = AllForces(self.forces) if self.forces else None
         unknown = self.names - set(self.parameters)
         if unknown:
@@ -213,6 +220,7 @@ class Pencil:
             low_rank=self.low_rank_at(values),
             contacts=contacts,
             multipliers=with_unformed(contacts, self.circulatory_unknowns(values)),
+            near=partial(self._near, values) if self._near else None,
         )
 
     def products(self) -> Iterator[tuple[Role, Dependence, Callable[[Any], Any]]]:

@@ -21,6 +21,7 @@ import numpy as np
 
 from cea.arrays import Complexes
 from cea.eigen.field_of_values import bounded_growth, field_of_values, largest_growth
+from cea.eigen.pencil import Matrices, release
 from cea.eigen.regions import Disc, distance_of_cone, distance_within, touching_disc, upper_end
 from cea.eigen.search import ATTEMPTS, SHIFT, Search
 from cea.eigen.shift_invert import MARGIN
@@ -81,13 +82,16 @@ def _undamped(search: Search) -> Plan:
             search.counted = count_below(matrices, upper)
         depth = _FARTHER * top
     elif matrices.size > search.options.dense_limit:
-        with search.factorising():
-            slope = field_of_values(matrices, _DEPTH * top, cone=True)
-        if slope is not None:
+        for part in _bounds(search):
+            with search.factorising():
+                slope = field_of_values(part, _DEPTH * top, cone=True)
+            if slope is None:
+                continue
             depth = bound = _DEPTH * top
             around = distance_of_cone(top, middle, depth, slope)
             if around <= _AROUND * radius:
                 radius, reached = max(radius, around), depth
+                break
     yield middle, radius
     while True:
         assert search.found is not None
@@ -103,6 +107,19 @@ def _undamped(search: Search) -> Plan:
         centre = touching_disc(top, depth)
         yield centre, distance_within(top, centre, -depth, -reached)
         reached, depth = depth, _FARTHER * depth
+
+
+def _bounds(search: Search) -> Iterator[Matrices]:
+    """Yield matrices whose field of values bounds the eigenvalues, the cheapest first."""
+    matrices = search.matrices
+    with search.timer("assembly"):
+        near = matrices.near and matrices.near(matrices)
+    if near:
+        try:
+            yield near
+        finally:
+            release(near)
+    yield matrices
 
 
 def _damped(search: Search, asked: float | None) -> Plan:

@@ -16,6 +16,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.body.space import Density
 from cea.eigen.block_products import times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.pencil import Role, Term
@@ -188,6 +189,13 @@ class BodyTerms:
             if self.with_mass and self.motion.damping is not None:
                 factor = {"mass": "alpha", "stiffness": "beta"}[role]
                 yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
+
+    def integrals(self, elasticity: Elasticity, density: Density) -> Iterator[Term]:
+        """Yield K and M of another elastic law and density."""
+        space, reduced = self.body.space, self.body.reduced
+        stiffness = self.placed(reduced(space.stiffness(elasticity)))
+        yield Term("stiffness", stiffness, self._stiffness)
+        yield Term("mass", self.placed(reduced(space.mass(density))), self._mass)
 
     def _of_springs(self) -> Iterator[Term]:
         """Yield the correction for springs, whose stiffness does not change with E."""

@@ -15,7 +15,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
-from cea.eigen.pencil import Pencil, Term
+from cea.eigen.pencil import Matrices, Pencil, Term
 from cea.errors import InputError, ResultWarning
 from cea.matrices import applied
 from cea.motion import Motion
@@ -35,6 +35,10 @@ from cea.system.contact_terms import (
 
 if TYPE_CHECKING:
     from cea.system.steady_state import SteadySliding
+
+
+_LARGE = 50_000
+"""Unknowns from which on a bound by what lies near contacts is cheaper."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +118,13 @@ class CoupledSystem:
             list(forces_of_contacts(() if eliminate else self.contacts, stiffness)),
             [term for each in self.pieces.values() for term in each.modal],
             [piece for piece in pieces if not isinstance(piece, Term)],
+            None if self.size < _LARGE or self.prestress or self.softens else self._near_contacts,
         )
+
+    def _near_contacts(self, values: Mapping[str, float], whole: Matrices) -> Matrices | None:
+        from cea.system.near_contacts import near_contacts  # imported only for large systems
+
+        return near_contacts(self.pieces, self.contacts, values, whole)
 
     def linearised(
         self, steady: "SteadySliding", *, geometric_stiffness: bool = False

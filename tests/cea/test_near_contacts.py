@@ -1,0 +1,90 @@
+"""Bounds of the field of values by what lies near contacts."""
+
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+from blocks import assemble, two_blocks
+from mpi import on_ranks
+from petsc_matrices import to_numpy
+
+from cea.eigen.driver import EigenSolver
+from cea.eigen.field_of_values import field_of_values
+from cea.eigen.krylov_schur import KrylovOptions
+from cea.system import coupled, near_contacts
+
+pytestmark = pytest.mark.mpi
+END = 2 * np.pi  # rad/s
+
+
+def sliding_blocks(backend, form="penalty"):
+    data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, P=30.0, form=form)
+    lower = data["bodies"]["lower"]
+    lower["geometry"] |= {"size": [1.0, 1.1, 1.6], "origin": [0.0, 0.0, -1.2]}
+    for mesh in lower["mesh"].values():
+        mesh["elements"] = [3, 3, 5]
+    return assemble(data)
+
+
+def facts(backend, form):
+    """Slopes of the cones of a part and of the whole, and eigenvalues where the part counts."""
+    with patch.object(coupled, "_LARGE", 0), patch.object(near_contacts, "_NEAR", 0.4):
+        pencil = sliding_blocks(backend, form).pencil()
+        whole = pencil.at()
+        near = whole.near(whole)
+        slopes = [field_of_values(part, END**2, cone=True) for part in (near, whole)]
+        with EigenSolver(pencil, KrylovOptions(dense_limit=0)) as driver:
+            modes = driver.solve(1.0)
+    values = modes.eigenvalues
+    return {
+        "sizes": [near.size, whole.size],
+        "slopes": slopes,
+        "complete": modes.window.complete,
+        "re": values.real.tolist(),
+        "im": values.imag.tolist(),
+    }
+
+
+@pytest.mark.parametrize(("backend", "form"), [("fe", "penalty"), ("iga", "saddle")])
+def test_the_cone_of_the_part_near_contacts_holds_that_of_the_whole(backend, form):
+    found = facts(backend, form)
+    near, whole = found["slopes"]
+    assert found["sizes"][0] < 0.8 * found["sizes"][1]
+    assert whole < near < 3 * whole
+    assert found["complete"]
+    again = on_ranks(2, facts, backend, form)
+    assert again["sizes"] == found["sizes"]
+    assert again["slopes"] == pytest.approx(found["slopes"], rel=0.1)  # other random vectors
+    assert again["im"] == pytest.approx(found["im"], rel=1e-9)
+    assert again["re"] == pytest.approx(found["re"], abs=1e-6)
+
+
+def test_stiffness_and_mass_far_from_contacts_are_positive_semidefinite(backend):
+    system = sliding_blocks(backend)
+    parts = []
+
+    def kept(matrices, mass):
+        parts.extend([to_numpy(matrices.stiffness), to_numpy(matrices.mass)])
+
+    with patch.object(near_contacts, "_restricted", kept):
+        whole = system.pencil().at()
+        system._near_contacts(system.pencil().values(), whole)
+    for rest, total in zip(parts, (to_numpy(whole.stiffness), to_numpy(whole.mass)), strict=True):
+        scale = np.abs(total).max()
+        assert np.linalg.eigvalsh(rest).min() > -1e-12 * scale
+        assert np.linalg.eigvalsh(total - rest).min() > -1e-12 * scale
+        assert np.linalg.eigvalsh(total - rest).max() > 0.1 * scale
+
+
+@pytest.mark.parametrize("change", ["springs", "far contact"])
+def test_there_is_no_bound_where_it_would_not_hold(change):
+    """Springs are no integral over the body; contact points beyond the distance are not near."""
+    with patch.object(coupled, "_LARGE", 0):
+        data = two_blocks("fe", {"method": "gpts", "points": 3}, P=30.0)
+        if change == "springs":
+            data["bodies"]["upper"]["springs"] = [
+                {"surface": "z_max", "stiffness": [1.0, 1.0, 1.0]}
+            ]
+        whole = assemble(data).pencil().at()
+        with patch.object(near_contacts, "_NEAR", 0.0 if change == "far contact" else 0.25):
+            assert whole.near(whole) is None
