@@ -1,7 +1,6 @@
 """Comparison of both backends on the disc and pad: basic formulations, pairings of backends.
 
-With mortar contact only the discretisation of the bodies differs. The last pairing is also run with
-a higher degree: modes that change there are not converged, however well the pairings agree.
+With mortar contact only the discretisation of the bodies differs.
 """
 
 from collections.abc import Iterator
@@ -25,7 +24,6 @@ from scenes.spec.reading import BACKENDS, Scene, load_scene
 
 FREQUENCY_BOUND, GROWTH_BOUND = 0.01, 0.15
 """Relative differences of frequencies and growth rates up to which two modes agree."""
-_FINER = 3  # degree in every direction of the additional run of the last pairing
 
 
 @dataclass(frozen=True)
@@ -52,21 +50,20 @@ def scene(case: Case, options: Options) -> dict[str, Scene]:
     disc_pad = load_scene(Path("disc_pad"), options.overrides)
     mortar = case["formulation"] == "mortar"
     pairs = product(BACKENDS, BACKENDS) if mortar else zip(BACKENDS, BACKENDS, strict=True)
-    scenes, name = {}, ""
-    for pad, disc in pairs:
-        bodies = {"pad": pad, "disc": disc}
-        changes: dict[str, Any] = {f"bodies.{name}.backend": b for name, b in bodies.items()}
-        changes["contacts.pad_disc.formulation"] = rules(pad)[case["formulation"]]
-        name = f"{backend_name(pad)} on {backend_name(disc)}"
-        scenes[name] = disc_pad.change(changes)
-    if mortar:
-        finer = {f"bodies.{body}.mesh.iga.degree": [_FINER] * 3 for body in ("pad", "disc")}
-        scenes[f"{name}, degree {_FINER}"] = scenes[name].change(finer)
-    return scenes
+    return {
+        f"{backend_name(pad)} on {backend_name(disc)}": disc_pad.change(
+            {
+                "bodies.pad.backend": pad,
+                "bodies.disc.backend": disc,
+                "contacts.pad_disc.formulation": rules(pad)[case["formulation"]],
+            }
+        )
+        for pad, disc in pairs
+    }
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Solve all pairings and match unstable modes with the first, of a finer run with the last."""
+    """Solve all pairings, and match their unstable modes with those of the first."""
     assert session.scene is not None
     results = {name: session.solve(scene) for name, scene in session.scene.items()}
     runs, modes = [], []
@@ -88,12 +85,10 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         )
         modes += [{"run": name} | row for row in rows]
     first, *others = results
-    compared = [(first, other) for other in others if "degree" not in other]
-    compared += [(others[-2], other) for other in others if "degree" in other]
     pairs = [
-        {"compared": f"{other}, against {one}"} | pair
-        for one, other in compared
-        for pair in _paired(results[one], results[other])
+        {"compared": f"{other}, against {first}"} | pair
+        for other in others
+        for pair in _paired(results[first], results[other])
     ]
     return {"runs": runs, "modes": modes, "agreement": pairs}
 
@@ -132,17 +127,12 @@ def unstable(result: StudyResult) -> pd.DataFrame:
 
 
 def headline(result: StudyResult) -> str:
-    """Largest differences of matched modes, and the modes that are not converged."""
+    """Largest differences of matched modes."""
     frame = result.frame("agreement")
-    finer = frame["compared"].str.contains("degree")
-    same = frame[~finer]
-    f, g = (number(100 * same[f"{key}_change"].abs().max(), 2) for key in ("frequency", "growth"))
-    changed = frame[finer & ~frame["within"]]
-    hertz = changed["frequency_first"].fillna(changed["frequency"]).map(shown(4))
+    f, g = (number(100 * frame[f"{key}_change"].abs().max(), 2) for key in ("frequency", "growth"))
     return (
         f"Unstable modes of different backends differ by at most {f} % in frequency and {g} % in "
-        f"growth rate; {same['modal_assurance'].isna().sum()} have no partner. Not converged in "
-        f"the degree: {', '.join(hertz + ' Hz') or 'none'}."
+        f"growth rate; {frame['modal_assurance'].isna().sum()} have no partner."
     )
 
 

@@ -6,9 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from comparisons.accuracy.cases import YARDSTICKS, Options, cases
-from comparisons.accuracy.errors import evaluate
-from comparisons.accuracy.problems import PROBLEMS
+from comparisons.accuracy.cases import YARDSTICKS, Options, cases, evaluate
 from comparisons.study.columns import wide
 from comparisons.study.numbers import number, shown
 from comparisons.study.sections import Column, Plot, Section, Table
@@ -18,8 +16,6 @@ from scenes.spec.body import backend_name
 TOLERABLE = 0.01
 """Error of growth relative to the largest growth rate, up to which a rule is usable."""
 _TOO_COARSE = 0.1  # error of growth of the reference rule above which a mesh is left out
-_ROUNDING = 1e-9  # errors below this are not used to fit an order
-_FITTED = 3  # number of finest meshes to which an order is fitted
 LINE = ["problem", "backend", "degree", "rule", "p"]  # labels of a line of a plot
 
 
@@ -27,28 +23,6 @@ def _drawn(which: str, result: StudyResult) -> pd.DataFrame:
     """Runs at the first stiffness of the options without missing modes."""
     first = result.frame().query("p == @result.record['inputs']['stiffnesses'][0]")
     return first.dropna(subset="lambda_worst").query(which)
-
-
-def orders(result: StudyResult) -> pd.DataFrame:
-    """Observed orders on the finest meshes with errors above rounding, and theoretical orders.
-
-    The order is the exponent q of ``error ~ refinement^-q`` by least squares. Theory gives twice
-    the degree if contact is integrated exactly, limited by a singularity.
-    """
-    rows = []
-    for values, own in result.frame().groupby(LINE, sort=False):
-        line = dict(zip(LINE, values, strict=True))
-        fitted = own[own["lambda_worst"] > _ROUNDING][-_FITTED:]
-        if len(fitted) < 2:
-            continue
-        n, error = np.log(fitted["refinement"]), np.log(fitted["lambda_worst"].astype(float))
-        smooth = 2.0 * line["degree"] if line["rule"] in YARDSTICKS else None
-        cap = PROBLEMS[line["problem"]].highest_order
-        theory = min(smooth, cap) if smooth and cap else smooth
-        order = -float(np.polyfit(n, error, 1)[0])
-        last = own["lambda_worst"].iloc[-1]
-        rows.append(line | {"order": order, "theory": theory, "lambda_worst": last})
-    return pd.DataFrame(rows)
 
 
 def uses(result: StudyResult) -> pd.DataFrame:
@@ -159,17 +133,7 @@ SECTIONS = [
             )
             for x in ("seconds", "dofs")
         ],
-        tables=[
-            Table(
-                "orders",
-                "Order of the worst error of lambda in the mesh size. Theory: twice the degree if "
-                "the solution is smooth and traces are integrated exactly, limited by corner "
-                "singularities; there is none for point rules.",
-                orders,
-                COLUMNS,
-            ),
-            Table("runs", "Every run.", "runs", COLUMNS, shown=False),
-        ],
+        tables=[Table("runs", "Every run.", "runs", COLUMNS, shown=False)],
         of="runs",
     ),
     Section(

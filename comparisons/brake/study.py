@@ -8,12 +8,13 @@ not usable at this contact stiffness (``cea study accuracy``).
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from math import isclose
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import pandas as pd
 
+from cea.eigen.matching import connected
 from cea.errors import InputError
 from comparisons.study.measure import measured
 from comparisons.study.numbers import decimals, number, per_cent, plain
@@ -108,16 +109,12 @@ def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[l
     every = result.frame("matches")
     sizes = [own["size"].iloc[0] for own in by_size[1:]]
     matches = [every[every["size"] == size].to_dict("records") for size in sizes]
-    frequencies = by_size[-1]["frequency"].tolist()
-    groups = [set(group["second"]) for group in matches[-1]] if matches else []
-    groups += [{i} for i in range(len(frequencies)) if not any(i in group for group in groups)]
-    for i, j in pairwise(range(len(frequencies))):
-        if isclose(frequencies[i], frequencies[j], rel_tol=_PARTNERS):
-            together = [group for group in groups if group & {i, j}]
-            groups = [group for group in groups if group not in together]
-            groups.append(set().union(*together))
-    for members in sorted(map(sorted, groups)):
-        chain = [members]
+    frequencies = by_size[-1]["frequency"].to_numpy()
+    linked = np.isclose(frequencies[:, None], frequencies, rtol=_PARTNERS, atol=0.0)
+    for group in matches[-1] if matches else ():
+        linked[np.ix_(group["second"], group["second"])] = True
+    for members in connected(linked):
+        chain = [members.tolist()]
         for match in reversed(matches):
             before = [g["first"] for g in match if set(g["second"]) & set(chain[0])]
             chain.insert(0, sorted({i for first in before for i in first}))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 STUDIES = {
     "agreement": ("agreement", "Both backends on disc and pad, in every pairing."),
     "accuracy": ("accuracy.study", "Error of every method against run time."),
-    "patch_tests": ("patch_tests", "Patch tests and momentum of each formulation."),
+    "patch_tests": ("patch_tests", "Patch tests of each formulation."),
     "locking": ("locking", "Which formulations lock as contact stiffness grows."),
     "stability": ("stability.study", "Stiff and extreme scenes against references."),
     "brake": ("brake.study", "A ventilated brake on several meshes."),

@@ -9,7 +9,7 @@ every other motion that both sides share, such as rotations. To first order it s
 kappa by x^H (K_lumped - K_n) x, with the mode x without lumping.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from math import tau
 from typing import Any
@@ -17,10 +17,9 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.body import Body
 from cea.eigen.block_products import columns_inner, times, transposed_times
 from cea.matrices import destroy, scaled_total
-from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
+from comparisons.paper.disc_pad import DISC, GPTS, LOW, LUMPED, PAD
 from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
 from comparisons.paper.spectra import Spectrum, case_row, displacements, means_of, measures, paired
 from comparisons.study.session import Session
@@ -28,8 +27,7 @@ from scenes import Result
 from scenes.results.matching import ModeMatch
 from scenes.spec.reading import Scene
 
-P = 1e6  # contact stiffness of the figures (N/m)
-RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}  # the two runs
+P = 1e6  # contact stiffness of Figures 4 and 5 (N/m)
 EDGE = 0.115 * np.tan(np.radians(20.0))
 """Distance from its midpoint at which the line crosses the boundary of the pad (m)."""
 _MIDDLE, _HALF, _SAMPLES = (0.115, 45.0), 0.07, 281
@@ -40,19 +38,26 @@ _ALIKE = 0.5  # modal assurance above which modes of the two runs match
 
 
 @dataclass(frozen=True)
-class ModeShapes(Figure):
-    """A mode with and without lumping."""
+class Pair(Figure):
+    """A run without lumping, and one with it."""
+
+    P: float  # contact stiffness (N/m)
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
         """Return the scenes of both runs."""
-        return {name: case.scene(mesh) for name, case in RUNS.items()}
+        both = {"plain": GPTS, "lumped": LUMPED}
+        return {name: replace(case, P=self.P).scene(mesh) for name, case in both.items()}
+
+
+class ModeShapes(Pair):
+    """A mode with and without lumping."""
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Run both cases and compare one mode of each."""
-        results = {name: session.solve(session.scene[name]) for name in RUNS}
+        results = {name: session.solve(scene) for name, scene in session.scene.items()}
         plain, lumped = (Spectrum.of(result) for result in results.values())
         match = paired(lumped, plain)
-        label = case_row(P, 1, RUNS["lumped"].on(mesh))
+        label = case_row(self.P, 1, LUMPED.on(mesh))
         measured = label | measures(lumped, plain, match) | {"paper": "much below 1"}
         modes = common_mode(match, plain)[::-1]
         motion = lumped.motion[modes[1]] / plain.motion[modes[0]]
@@ -107,21 +112,16 @@ def mode_line(result: Result, mode: int) -> dict[str, Floats]:
     return {"arc": arc} | {name: (u / peak).real for name, u in lines.items()}
 
 
-SHAPES = ModeShapes("4 and 5", "Figures 4 and 5: a mode with and without lumping, P = 10⁶")
+SHAPES = ModeShapes("4 and 5", "Figures 4 and 5: a mode with and without lumping, P = 10⁶", P)
 """Figures 4 and 5."""
 
 
-@dataclass(frozen=True)
-class Lumping(Figure):
-    """False stiffness of lumped contact, P = 10⁹."""
-
-    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
-        """Return the scenes of both runs."""
-        return {"plain": GPTS.scene(mesh), "lumped": LUMPED.scene(mesh)}
+class Lumping(Pair):
+    """False stiffness of lumped contact."""
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Return shifts of all modes, and energies of a rotation."""
-        plain, lumped = (session.solve(session.scene[name]) for name in ("plain", "lumped"))
+        plain, lumped = (session.solve(scene) for scene in session.scene.values())
         match = paired(Spectrum.of(lumped), Spectrum.of(plain))
         omega, reference = (values.imag for values in means_of(match))
         shifts, false = omega / reference - 1, false_shifts(plain, lumped)
@@ -149,28 +149,27 @@ def false_shifts(plain: Result, lumped: Result) -> Floats:
 
 def rotation_ratio(result: Result) -> float:
     """Return the contact energy of a rotation of both bodies over that of the pad alone."""
-    K_n, y = result.system.contacts[0].K_n, result.interfaces["pad_disc"].points.x[:, 1]
-    rotations = [_normal_displacement(body, y.mean()) for body in result.system.bodies.values()]
-    alone = [
-        u if name == PAD else np.zeros_like(u)
-        for name, u in zip(result.system.bodies, rotations, strict=True)
-    ]
-    both = np.asfortranarray(np.column_stack([np.concatenate(rotations), np.concatenate(alone)]))
-    energies = columns_inner(both, times(K_n, both), K_n.comm)
+    contact, bodies = result.system.contacts[0], result.system.bodies
+    height = result.interfaces["pad_disc"].points.x[:, 1].mean()
+
+    def rotation(moved: Collection[str]) -> Floats:
+        """Free dofs of this rank of the field u_z = y - height of some bodies."""
+        parts = []
+        for name, body in bodies.items():
+            x = body.space.dof_positions
+            assert x is not None  # the geometry has at most the degree of the space
+            u = np.zeros_like(x)
+            u[:, 2] = (x[:, 1] - height) * (name in moved)
+            own = slice(*body.expansion.getOwnershipRange())
+            parts.append(transposed_times(body.expansion, u.reshape(-1, 1)[own])[:, 0])
+        return np.concatenate(parts)
+
+    both = np.asfortranarray(np.column_stack([rotation(bodies), rotation([PAD])]))
+    energies = columns_inner(both, times(contact.K_n, both), contact.K_n.comm)
     return float(energies[0] / energies[1])
 
 
-def _normal_displacement(body: Body, height: float) -> Floats:
-    """Return the free dofs of this rank of the field u_z = y - height."""
-    x = body.space.dof_positions
-    assert x is not None  # the geometry has at most the degree of the space
-    u = np.zeros_like(x)
-    u[:, 2] = x[:, 1] - height
-    own = slice(*body.expansion.getOwnershipRange())
-    return transposed_times(body.expansion, u.reshape(-1, 1)[own])[:, 0]
-
-
 LUMPING = Lumping(
-    "lumping", "Frequency shifts by lumping, and by its false stiffness alone, P = 10⁹"
+    "lumping", "Frequency shifts by lumping, and by its false stiffness alone, P = 10⁹", LOW
 )
 """The study."""

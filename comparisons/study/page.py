@@ -5,7 +5,7 @@ from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from functools import cache
 from gzip import compress
-from importlib.util import find_spec
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -89,11 +89,7 @@ def packed(content: bytes) -> str:
 @cache
 def _library() -> str:
     """plotly.js of the Python package plotly, compressed, in base64."""
-    found = find_spec("plotly")
-    if found is None or not found.submodule_search_locations:
-        raise ModuleNotFoundError("plotly")
-    folder = Path(found.submodule_search_locations[0])
-    return packed((folder / "package_data" / "plotly.min.js").read_bytes())
+    return packed((resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes())
 
 
 def present(sections: Sequence[Section], result: Any) -> Iterator[Section]:
@@ -118,10 +114,10 @@ def _section(
             points = rows(plot.frame, result)
             if points.empty:
                 continue
-            drawn.append({"plot": plot, "panels": plots.drawn_by_page(plot, points, result)})
+            drawn.append({"plot": plot, "panels": plots.drawn_by_page(plot, points)})
             if out:
                 with rc_context(plots.STYLE):
-                    plots.save(plots.draw(plot, points, result), out / f"{plot.name}.png")
+                    plots.save(plots.draw(plot, points), out / f"{plot.name}.png")
             continue
         with rc_context(plots.STYLE):
             figure = plot(result)

@@ -1,6 +1,6 @@
 """Plots of data frames: matplotlib (PNG files) and plotly.js (pages) draw the same lines."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from html import unescape
 from io import BytesIO
 from pathlib import Path
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from cea.files import write_whole
 from comparisons.study.columns import column
 from comparisons.study.numbers import literal
-from comparisons.study.sections import Plot, rows
+from comparisons.study.sections import Plot
 
 # Colours of Okabe and Ito, distinguishable with any colour vision.
 ORANGE, SKY, GREEN = "#E69F00", "#56B4E9", "#009E73"
@@ -66,45 +66,36 @@ def sign(verdict: str) -> str:
     return f"{VERDICT_MARKS[verdict][2]} {verdict}" if verdict in VERDICT_MARKS else verdict
 
 
-def panels(plot: Plot, frame: pd.DataFrame, result: Any) -> list[tuple[str, list[Trace]]]:
+def panels(plot: Plot, frame: pd.DataFrame) -> list[tuple[str, list[Trace]]]:
     """Titles of the panels of a plot, each with its lines."""
-    layers = [(frame, True, plot.lines is None and plot.style == "lines")]
-    if plot.lines is not None:
-        layers.insert(0, (rows(plot.lines, result), False, True))
     places = {name: {v: i for i, v in enumerate(frame[name].unique())} for name in plot.series}
-    named = {name: column(name, frame, plot.own) for name in plot.panel}
-    every = frame[[*named]].drop_duplicates().to_dict("records") if named else [{}]
+    named = [(name, column(name, frame, plot.own)) for name in plot.panel]
     made = []
-    for values in every:
-        traces: list[Trace] = []
-        for points, marked, joined in layers:
-            for name, value in values.items():
-                points = points[points[name] == value] if name in points else points
-            traces += _traces(plot, points, places, marked, joined)
+    for values, own in _groups(frame, plot.panel):
         words = [
-            f"{shown.title} = " * shown.number + shown.cell(values[name])
-            for name, shown in named.items()
+            f"{shown.title} = " * shown.number + shown.cell(value)
+            for (_, shown), value in zip(named, values, strict=True)
         ]
-        made.append((", ".join(words), traces))
+        made.append((", ".join(words), list(_traces(plot, own, places))))
     return made
 
 
-def _traces(
-    plot: Plot, frame: pd.DataFrame, places: Mapping[str, Any], marked: bool, joined: bool
-) -> Iterator[Trace]:
-    keys = [name for name in plot.series if name in frame]
-    for values, own in frame.groupby(keys, sort=False, dropna=False) if keys else [((), frame)]:
-        labels = dict(zip(keys, values, strict=True))
+def _groups(frame: pd.DataFrame, keys: Sequence[str]) -> Any:
+    return frame.groupby([*keys], sort=False, dropna=False) if keys else [((), frame)]
+
+
+def _traces(plot: Plot, frame: pd.DataFrame, places: Mapping[str, Any]) -> Iterator[Trace]:
+    for values, own in _groups(frame, plot.series):
+        labels = dict(zip(plot.series, values, strict=True))
         marker, colour = _look(labels, places)
         label = ", ".join(column(n, frame, plot.own).cell(v) for n, v in labels.items())
         finite = own[[plot.x, plot.y]].replace([float("inf"), float("-inf")], float("nan"))
         finite = finite.astype(object).where(finite.notna(), None)
         trace: Trace = {"x": finite[plot.x].tolist(), "y": finite[plot.y].tolist()}
-        mode = "+".join(["lines"] * joined + ["markers"] * marked)
+        mode = "lines+markers" if plot.style == "lines" else "markers"
         trace |= {"name": literal(label), "type": "scatter", "mode": mode}
-        trace["line"] = {"color": colour}
-        if marked:
-            trace["marker"] = {"color": colour, "symbol": marker, "size": 8}
+        trace |= {"line": {"color": colour}}
+        trace |= {"marker": {"color": colour, "symbol": marker, "size": 8}}
         yield trace | ({"customdata": list(own["shape"])} if "shape" in own else {})
 
 
@@ -116,9 +107,9 @@ def _look(labels: Mapping[str, Any], places: Mapping[str, Any]) -> tuple[str, st
     return _MARKERS[numbers[-1] % len(_MARKERS)], COLOURS[numbers[0] % len(COLOURS)]
 
 
-def draw(plot: Plot, frame: pd.DataFrame, result: Any) -> Figure:
+def draw(plot: Plot, frame: pd.DataFrame) -> Figure:
     """Draw a plot with matplotlib, panels side by side."""
-    made = panels(plot, frame, result)
+    made = panels(plot, frame)
     x, y = (column(name, frame, plot.own).axis for name in (plot.x, plot.y))
     columns = min(3, len(made))
     figure = Figure(figsize=(4.4 * columns + 1.0, 3.6 * -(-len(made) // columns)))
@@ -128,13 +119,13 @@ def draw(plot: Plot, frame: pd.DataFrame, result: Any) -> Figure:
         axes.set_axis_off()
     for axes, (title, traces) in zip(grid.flat, made, strict=False):
         for trace in traces:
-            marker, colour = trace.get("marker", {}).get("symbol", ""), trace["line"]["color"]
+            marker, colour = trace["marker"]["symbol"], trace["line"]["color"]
             axes.plot(
                 trace["x"],
                 [float("nan") if value is None else value for value in trace["y"]],
                 color=colour,
                 linestyle="-" if "lines" in trace["mode"] else "",
-                marker=_OF_MATPLOTLIB.get(marker.removesuffix("-open"), ""),
+                marker=_OF_MATPLOTLIB[marker.removesuffix("-open")],
                 markerfacecolor="none" if marker.endswith("-open") else colour,
                 label=unescape(trace["name"]) or None,
             )
@@ -153,7 +144,7 @@ def save(figure: Figure, file: Path) -> bytes:
     return stream.getvalue()
 
 
-def drawn_by_page(plot: Plot, frame: pd.DataFrame, result: Any) -> list[dict[str, Any]]:
+def drawn_by_page(plot: Plot, frame: pd.DataFrame) -> list[dict[str, Any]]:
     """Name, title and plotly.js figure of each panel of a plot."""
     axes: dict[str, Any] = {
         f"{axis}axis": {
@@ -165,7 +156,7 @@ def drawn_by_page(plot: Plot, frame: pd.DataFrame, result: Any) -> list[dict[str
     }
     kept = {"meta": "shown", "mode": "markers", "x": [], "y": [], "name": "mode shown",
             "marker": {"symbol": "circle-open", "size": 18, "color": BLACK}}  # fmt: skip
-    made, every = [], panels(plot, frame, result)
+    made, every = [], panels(plot, frame)
     for i, (title, traces) in enumerate(every):
         if any("customdata" in trace for trace in traces):
             traces.append(kept)

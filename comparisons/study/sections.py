@@ -48,7 +48,6 @@ class Plot:
     panel: Sequence[str] = ()  # columns that distinguish panels
     log: str = ""  # logarithmic axes: "x", "y" or "xy"
     own: Mapping[Any, Column] = field(default_factory=dict)  # as of a table; titles of axes too
-    lines: Frame | None = None  # lines without markers; points of ``frame`` are markers then
     style: str = "lines"  # or "markers"
 
 

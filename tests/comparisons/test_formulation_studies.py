@@ -1,4 +1,4 @@
-"""Studies of formulations: locking, patch tests between meshes of any kind, momentum, pairings."""
+"""Studies of formulations: locking, patch tests between meshes of any kind, pairings."""
 
 from dataclasses import replace
 from functools import cache
@@ -13,6 +13,7 @@ from cea.contact.formulations import Mortar, Segments
 from cea.timing import StageTimer
 from comparisons import agreement, locking, patch_tests
 from comparisons.patch_tests import PRESSURE, PROBLEMS
+from comparisons.study.page import write_study
 from comparisons.study.run import run
 from scenes import run_scene
 from scenes.building.build import build_bodies
@@ -21,28 +22,31 @@ YARDSTICKS = ("segments", "mortar")
 
 
 def made(study, **options):
-    """Result of a study with these options."""
-    return run(study, study.options(**options), Path(mkdtemp()) / "out")
+    """Result of a study with these options, of which the page can be drawn."""
+    out = Path(mkdtemp()) / "out"
+    result = run(study, study.options(**options), out)
+    write_study(study, result, out)
+    return result
 
 
 @cache
 def few_locking():
-    options = {"p": (1.0, 1e4, 1e6, np.inf), "formulations": ("Greville", *YARDSTICKS)}
+    options = {"p": (1.0, 1e4, 1e6), "formulations": ("Greville", *YARDSTICKS)}
     return made(locking.STUDY, **options)
 
 
 @cache
 def patch_test(interface):
-    """Flat interfaces with every formulation; curved ones with a few."""
-    few = ("GPTS 5", "GPTS 5, lumped", *YARDSTICKS) if interface == "curved" else ()
-    options = {"P": (1e2, 1e6, 1e14), "gauss": (5,), "samples": 9, "formulations": few}
+    """An interface with a few formulations."""
+    few = ("Greville", "grid", "GPTS 5", "GPTS 5, lumped", *YARDSTICKS)
+    options = {"P": (1e6, 1e14), "gauss": (5,), "samples": 9, "formulations": few}
     options |= {"meshes": ("hexahedra", "quadrilaterals", "NURBS"), "interfaces": (interface,)}
     return made(patch_tests.STUDY, **options)
 
 
 def errors(backend, formulation):
-    """Errors of locking at finite stiffness."""
-    rows = few_locking().frame().query("p < inf and backend == @backend")
+    """Errors of locking."""
+    rows = few_locking().frame().query("backend == @backend")
     return rows.loc[rows["formulation"] == formulation, "error"].to_numpy(dtype=float)
 
 
@@ -113,20 +117,6 @@ def test_error_on_curved_interfaces_falls_with_the_mesh(meshes, backend, order, 
     assert worst[0] < bound
 
 
-@pytest.mark.grid(quick=1)
-@pytest.mark.parametrize("interface", ["flat", "curved"])
-def test_momentum(interface):
-    """Linear momentum is kept by all; angular too, but by lumping and by friction across gaps."""
-    for row in patch_tests.runs(patch_test(interface), "momentum").to_dict("records"):
-        assert max(row["linear_normal"], row["linear_friction"]) < 1e-14
-        if "lumped" in row["formulation"]:
-            assert min(row["angular_normal"], row["angular_friction"]) > 1e-4
-            continue
-        assert row["angular_normal"] < 1e-9
-        gaps = interface == "curved" and row["meshes"] != "NURBS on NURBS"
-        assert row["angular_friction"] < (1e-4 if gaps else 1e-13)
-
-
 KINDS = ("hexahedra", "tetrahedra", "NURBS")
 APART = "bodies.upper.placement={translation=[0.0, 0.0, 0.05]}", "contacts.interface.reach=0.06"
 WHERE = {
@@ -182,7 +172,7 @@ def test_unstable_modes_of_both_backends_are_paired_and_their_shapes_kept(beside
     assert gpts["modal_assurance"] > 0.99
     assert abs(gpts["frequency_change"]) < 0.02
     unstable = agreement.unstable(beside)
-    assert unstable["run"].nunique() == 5
+    assert unstable["run"].nunique() == 4
     assert (unstable["growth"] > 0).all()
     modes = [case["shapes"]["modes"].items() for case in beside.cases]
     assert set(unstable["shape"]) <= {
@@ -194,10 +184,9 @@ def test_pairings_find_the_same_unstable_mode(beside):
     runs = beside.frame()
     assert runs["complete"].all()
     assert (runs["found"] > 20).all()
-    assert runs["dofs"].iloc[-1] > runs["dofs"].iloc[-2]
     pairs = beside.frame("agreement").query("formulation == 'mortar'")
-    assert len(pairs) == 4
-    assert (pairs["modal_assurance"][:3] > 0.99).all()
+    assert len(pairs) == 3
+    assert (pairs["modal_assurance"] > 0.99).all()
     # The disc decides: these meshes of it are coarse, and of both backends far apart.
     bounds = [2e-2 if "on NURBS," in c else 1e-3 for c in pairs["compared"]]
-    assert (pairs["frequency_change"].abs()[:3] < bounds[:3]).all()
+    assert (pairs["frequency_change"].abs() < bounds).all()

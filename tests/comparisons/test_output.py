@@ -5,17 +5,13 @@ from io import StringIO
 from math import inf
 
 import numpy as np
-import pandas as pd
 import pytest
 from rich.console import Console
 
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import ResultWarning
 from cea.timing import StageTimer
-from comparisons.cli.output import print_frame, print_result
-from comparisons.study.columns import Column
-from comparisons.study.numbers import shown
-from comparisons.study.sections import Table
+from comparisons.cli.output import print_result
 from scenes import Result, load_scene
 
 
@@ -75,18 +71,3 @@ def test_what_was_left_out_is_named_or_explained(result, explain):
     (line,) = (line for line in lines_of(console) if "left out" in line)
     assert "newton" in line
     assert ("known stiffness" in line) == explain
-
-
-def test_tables_of_studies_keep_their_digits():
-    numbers = {str(i): [1.234567 * 10.0 ** (i - 9), 1.234567 * 10.0 ** (8 + i)] for i in range(6)}
-    frame = pd.DataFrame({"name": ["Gauss-point-to-surface, lumped", "mortar"]} | numbers)
-    own = {name: Column(f"number {name}", "N/m³", shown(7)) for name in numbers}
-    console = terminal(40)
-    print_frame(Table("made", "A caption.", lambda _: frame, own), None, console)
-    lines = lines_of(console)
-    assert {"Gauss-point-to-surface,", "lumped"} <= set(" ".join(lines).split())
-    left_out = " ".join(" ".join(lines).split()).partition("no room for: ")[2]
-    for name in numbers:
-        for cell in map(shown(7), frame[name]):
-            told = any(re.search(rf"(^| ){re.escape(cell)}( |$)", line) for line in lines)
-            assert told != (f"number {name}" in left_out), cell

@@ -47,26 +47,6 @@ def until(running, script):
     return WebDriverWait(running, 90).until(lambda now: now.execute_script(script))
 
 
-def open_page(running, page):
-    """Open a file in a window, and wait until its scripts have ended."""
-    size = {"width": 1400, "height": 900, "deviceScaleFactor": 1, "mobile": False}
-    running.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    running.get(page.resolve().as_uri())
-    set_by_scripts = "document.documentElement.dataset"
-    until(running, f"return 'ready' in {set_by_scripts} || 'failed' in {set_by_scripts}")
-    assert running.execute_script(f"return {set_by_scripts}.failed") is None
-
-
-def check_quiet(running):
-    """No error stands on the console so far, and nothing was asked for from a network."""
-    assert [entry for entry in running.get_log("browser") if entry["level"] == "SEVERE"] == []
-    messages = (json.loads(entry["message"])["message"] for entry in running.get_log("performance"))
-    sent = [m["params"] for m in messages if m["method"] == "Network.requestWillBeSent"]
-    assert sent, "nothing was recorded"
-    own = ("file:", "data:", "blob:", "chrome:", "chrome-untrusted:")
-    assert [each for each in sent if not each["request"]["url"].startswith(own)] == []
-
-
 def shown(running):
     """The mode whose shape is shown."""
     return running.find_element("class name", "viewer").get_attribute("data-shown")
@@ -84,15 +64,15 @@ def result(browser):
 
 
 @pytest.fixture(scope="module")
-def report(result, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("a run")
-    return write_run_report(result, save_result(result, folder / "result.json"))
-
-
-@pytest.fixture(scope="module")
-def page(browser, report):
+def page(browser, result, tmp_path_factory):
     """The report of a run, opened in a wide window; it stays open between tests."""
-    open_page(browser, report)
+    record = save_result(result, tmp_path_factory.mktemp("a run") / "result.json")
+    size = {"width": 1400, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    browser.get(write_run_report(result, record).resolve().as_uri())
+    set_by_scripts = "document.documentElement.dataset"
+    until(browser, f"return 'ready' in {set_by_scripts} || 'failed' in {set_by_scripts}")
+    assert browser.execute_script(f"return {set_by_scripts}.failed") is None
     return browser
 
 
@@ -143,7 +123,12 @@ def test_a_click_on_a_point_shows_its_mode_and_nothing_is_asked_for(page):
     until(page, f"return document.querySelector('.viewer').dataset.shown === '{key}'")
     until(page, f"return JSON.stringify((() => {{{DEPTHS}}})()) !== {str(before)!r}")
     assert page.execute_script("return document.querySelector('tr.shown').dataset.mode") == key
-    check_quiet(page)
+    assert [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"] == []
+    messages = (json.loads(entry["message"])["message"] for entry in page.get_log("performance"))
+    sent = [m["params"] for m in messages if m["method"] == "Network.requestWillBeSent"]
+    own = ("file:", "data:", "blob:", "chrome:", "chrome-untrusted:")
+    assert sent
+    assert [each for each in sent if not each["request"]["url"].startswith(own)] == []
 
 
 @pytest.mark.slow

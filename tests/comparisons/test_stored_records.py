@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from same_numbers import assert_same
 
-from comparisons.accuracy.errors import measure
+from comparisons.accuracy.cases import measure
 from comparisons.accuracy.problems import PROBLEMS
 from comparisons.accuracy.study import STUDY as ACCURACY
 from comparisons.bench.calculix import STUDY as CALCULIX

@@ -8,7 +8,7 @@ import pytest
 from golden import BIN, differences, run_frozen, stored
 
 from comparisons import agreement, locking, patch_tests
-from comparisons.accuracy.errors import measure
+from comparisons.accuracy.cases import measure
 from comparisons.paper.claims import judged
 from comparisons.paper.study import STUDY as PAPER_STUDY
 from comparisons.study.result import read

@@ -11,7 +11,7 @@ import numpy as np
 from cea.errors import ConvergenceError
 from cea.petsc import MPI
 from comparisons.study.sections import Column, Plot, Section, Table
-from comparisons.study.study import Process, Study, StudyResult
+from comparisons.study.study import Process, Study
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,13 @@ def evaluate(case, session):
     return {"square": None if size == 5 else square, "ranks": ranks}
 
 
+def headline(result):
+    return f"The largest is {result.frame()['square'].max():g}."
+
+
 OWN = {"square": Column("square & more", "m²")}
+TABLE = Table("squares", "All <squares>.", "runs", OWN)
+PLOT = Plot("squares", "Growth.", "runs", "size", "square", ("kind",), log="y")
 STUDY = Study(
     "squares",
     "Squares <of> numbers",
@@ -61,15 +67,7 @@ STUDY = Study(
     cases,
     evaluate,
     [
-        Section(
-            "Squares",
-            "Text & more.",
-            lambda result: f"The largest is {result.frame()['square'].max():g}.",
-            tables=[Table("squares", "All <squares>.", StudyResult.frame, OWN)],
-            plots=[
-                Plot("squares", "Growth.", StudyResult.frame, "size", "square", ("kind",), log="y")
-            ],
-        ),
+        Section("Squares", "Text & more.", headline, [TABLE], [PLOT]),
         Section("Nothing", "No table.", lambda r: r.frame("none")["lost"].max(), of="none"),
     ],
     quick={"sizes": (2,)},
