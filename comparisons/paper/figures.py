@@ -9,7 +9,7 @@ from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, HIGH, LOW, LUMPE
 from comparisons.paper.figure import Figure
 from comparisons.paper.lumping import LUMPING, SHAPES
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
-from comparisons.paper.patch_test import SETTINGS, PatchTest, PatchTests
+from comparisons.paper.patch_test import QUADRATURE, SETTINGS, PatchTest, PatchTests
 from comparisons.paper.spectra import Diagram
 
 
@@ -160,6 +160,7 @@ FIGURES: dict[str, Figure] = {
         NORMAL_COMPLIANCE,
         *SETTINGS,
         *PATCH_TESTS,
+        QUADRATURE,
         SHAPES,
         LUMPING,
         *DIAGRAMS,

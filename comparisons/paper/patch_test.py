@@ -1,4 +1,4 @@
-"""Figures 2, 3 and 7 to 12: the contact patch test and its normal stress.
+"""Figures 2, 3 and 7 to 12: the contact patch test, its normal stress, its Gauss points.
 
 Section 3 of the paper: the exact normal stress on the interface is -1000 N/m^2. The error measure
 is the oscillation, the largest minus the smallest value over the interface.
@@ -15,7 +15,7 @@ from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 
 from cea.arrays import Floats
-from cea.contact.formulations import Formulation, Greville, Grid
+from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid
 from cea.system.contact_stresses import pressure_along, stresses_at
 from cea.timing import StageTimer
 from comparisons.paper.figure import (
@@ -35,7 +35,7 @@ from comparisons.study.session import Session
 from scenes import Result
 from scenes.building.build import build_bodies, half_passes
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene
+from scenes.spec.reading import Scene, StaticAnalysis, load_scene
 
 EXACT = -1000.0  # normal stress on the interface (N/m^2)
 INTERFACE = "interface"  # name of the contact in the scene
@@ -276,3 +276,50 @@ SETTINGS = (
 )
 """Settings of the two patch tests. The paper does not state the elements: 25 Greville points imply
 3 x 3 quadratic spans; the second mesh, shown in a picture only, is a guess."""
+
+
+_EACH = range(5, 33)  # Gauss points per direction in a span
+_FEW_SAMPLES = 31  # samples across the interface: enough, as stresses are polynomial in spans
+_SPACES = {
+    "NURBS": ((1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (3, 0), (4, 1)),
+    "hexahedra": ((1, 0), (2, 0), (3, 0), (4, 0)),
+}
+"""Degree and continuity on each kind of mesh."""
+
+
+@dataclass(frozen=True)
+class Quadrature(Figure):
+    """Oscillation of the normal stress against the number of Gauss points in a span.
+
+    Derivatives of order c + 1 of the traces of side b jump at its knots, which lie inside spans of
+    side a. Gauss quadrature, and the stress, then converge like n^-(c + 2) for any degree. The
+    error varies by up to a factor of 10 between successive n, so that slopes are fitted.
+    """
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
+        """Return the scenes of every space with every number of points."""
+        analysis, scenes = StaticAnalysis("static", _FEW_SAMPLES), {}
+        for degree, continuity in _SPACES[mesh]:
+            for n in _EACH:
+                case = PatchTest(GaussPointToSurface(n), degree=degree, continuity=continuity)
+                scenes[f"{case.space}, {n}"] = replace(case.scene(mesh), analysis=analysis)
+        return scenes
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Return the oscillation on the worse side for each number of points, and fitted slopes."""
+        rows, numbers = [], []
+        for degree, c in _SPACES[mesh]:
+            space, errors = f"D{degree}C{c}", []
+            for n in _EACH:
+                sides = session.solve(session.scene[f"{space}, {n}"]).stresses[INTERFACE].values()
+                errors.append(max(side.oscillation for side in sides))
+                rows.append({"space": space, "c": c, "points": n, "oscillation": errors[-1]})
+            slope = float(np.polyfit(np.log(_EACH), np.log(errors), 1)[0])
+            numbers.append(quoted(f"slope, {space}", None, slope, "", f"-(c + 2) = {-(c + 2)}"))
+        return {"quadrature": rows, "numbers": numbers}
+
+
+QUADRATURE = Quadrature(
+    "points", "Error of GPTS against Gauss points in a span, P = 10⁶", meshes=_ON
+)
+"""The study of Gauss points."""

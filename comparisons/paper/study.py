@@ -139,6 +139,22 @@ SECTIONS = [
         plots=[*_drawings()],
     ),
     Section(
+        "Gauss points",
+        "With the continuity c the error falls like n^-(c + 2); the numbers list fitted slopes.",
+        tables=[_table("quadrature", "Errors.", shown=False)],
+        plots=[
+            _plot(
+                "points",
+                "quadrature",
+                "points",
+                "oscillation",
+                "space",
+                panel=("mesh",),
+                log="xy",
+            )
+        ],
+    ),
+    Section(
         "Lumping",
         "Figures 4 and 5 show, of the modes common to both runs, the one with the largest normal "
         "motion of the disc in the contact. Rotation: contact energy of a rotation of both bodies "
