@@ -53,8 +53,7 @@ def aspect() -> Runs:
     ):
         above = body(rectangle((width, height)), (2, 2), E=0.5, held="y_max")
         below = body(rectangle((width, height), (0.0, -height)), (3, 2), held="y_min")
-        rows = {row: stacked(above, below)}
-        yield from runs(rows, FEW, expected=expected, tolerance=tolerance)
+        yield from runs({row: stacked(above, below)}, FEW, expected=expected, tolerance=tolerance)
 
 
 def contact_edges() -> Runs:
@@ -81,8 +80,7 @@ def crowned() -> Runs:
     for radius in (1e4, 1e6, 1e8, 1e12, 1e30):
         fall = 0.5**2 / (8 * radius) / 0.4  # of the face, relative to the height of the pad
         tolerance = max(1e-8, 10 * fall if fall > 1e-10 else 0.0)
-        rows = {f"radius {radius:.0e}": made(radius)}
-        yield from runs(rows, instead=flat, tolerance=tolerance)
+        yield from runs({f"radius {radius:.0e}": made(radius)}, instead=flat, tolerance=tolerance)
     leaves = changed(made(0.5), {"contacts.contact.reach": 0.3})  # the side of the pad
     away = leaves | {"contacts": {}}
     yield from runs({"radius 0.5, closed": leaves}, ways, instead=away, expected="not accurate")

@@ -180,7 +180,7 @@ def unequal_sides() -> Runs:
 
 def _cubic_layers(p: float, mu: str, **elements: Any) -> Scene:
     """Layers for which exact eigenvalues are known."""
-    return up_to(0.42, layers(both={"degree": 3}, p=p, mu=mu, **(elements or FINE)))
+    return up_to(0.42, layers(both={"degree": 3}, p=p, mu=mu, **FINE | elements))
 
 
 def _exact_layers(p: float, mu: float) -> Reference:

@@ -54,9 +54,7 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
         | ({"form": "saddle"} if np.inf in (contact.get("P"), contact.get("p")) else {})
         for name, contact in data.get("contacts", {}).items()
     }
-    given, analysis = data["analysis"], {"kind": "cea", "max_frequency": 1.0}
-    if "geometric_stiffness" in given:
-        analysis["geometric_stiffness"] = given["geometric_stiffness"]
+    analysis = {"max_frequency": 1.0, **data["analysis"]}
     scene = read_scene({**data, "analysis": analysis, "contacts": contacts})
     system, _ = coupled(scene)
     bodies = system.bodies.values()

@@ -155,18 +155,14 @@ def pad(
 ) -> Scene:
     """A pad, its left edge at x = ``at`` and held at its back, on a base from x = 0 to 2."""
     upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, held="y_max")
-    return scene(
-        {"pad": upper, "base": base()},
-        contact=contact("pad.y_min", "base.y_max", **fields),
-    )
+    sliding = contact("pad.y_min", "base.y_max", **fields)
+    return scene({"pad": upper, "base": base()}, contact=sliding)
 
 
 def on_base(geometry: Mapping[str, Any], *, held: bool = True) -> Scene:
     """A NURBS body with the faces foot and head, on a base."""
-    return scene(
-        {"pad": body(geometry, (3, 2), held="head" if held else ""), "base": base()},
-        contact=contact("pad.foot", "base.y_max"),
-    )
+    upper = body(geometry, (3, 2), held="head" if held else "")
+    return scene({"pad": upper, "base": base()}, contact=contact("pad.foot", "base.y_max"))
 
 
 def boxes(
@@ -207,10 +203,9 @@ def sprag(angle: float = 60.0, mu: float = 0.3, **fields: Any) -> Scene:
     slope = {"field": [f"-cos({angle}*pi/180)", f"-sin({angle}*pi/180)"]}
     block = body(rectangle((1.0, 0.5)), (3, 2), supports=[ROLLER], placement=turned)
     ground = body(rectangle((2.0, 1.0), (-0.5, -1.0)), (5, 2), held="y_min", placement=turned)
-    sliding = {"mu": mu, "friction_direction_on_a": slope, **fields}
-    return scene(
-        {"block": block, "base": ground}, contact=contact("block.y_min", "base.y_max", **sliding)
-    )
+    fields |= {"mu": mu, "friction_direction_on_a": slope}
+    sliding = contact("block.y_min", "base.y_max", **fields)
+    return scene({"block": block, "base": ground}, contact=sliding)
 
 
 def pressed_layers(
