@@ -66,8 +66,9 @@ def test_dense_kappas_are_those_of_given_matrices_from_the_lowest_to_the_farthes
     assert kappa == pytest.approx(true, rel=1e-7)
 
 
-@pytest.mark.parametrize("way", WAYS, ids=lambda way: f"{way.backend} {way.name}")
+@pytest.mark.parametrize("way", WAYS[::2], ids=lambda way: f"{way.backend} {way.name}")
 def test_dense_eigenvalues_are_those_of_the_scene(way):
+    """Of every second way: every formulation, on both backends, in both forms."""
     data = way.of(layers(p=10.0)) | {"analysis": {"kind": "cea", "max_frequency": 0.4}}
     found = run_modes(read_scene(data)).modes.eigenvalues
     true = dense_eigenvalues(data)
@@ -103,7 +104,7 @@ def test_rigid_bodies_meet_at_a_corner_as_the_closed_form_says(backend):
     assert [run.way.name for run in runs if not judged(run)["met"]] == []
 
 
-@pytest.mark.parametrize("name", ["damped_maps", "graded", "maps", "mesh_files", "patch_test"])
+@pytest.mark.parametrize("name", ["damped_maps", "graded", "mesh_files", "patch_test"])
 def test_a_stiff_run_of_each_kind_of_problem_comes_out_as_expected(name):
     found = judged(study.runs_of(name)[-1])
     assert found["met"], found["reason"]
@@ -115,9 +116,9 @@ def quick_study(out, *cases, **fields):
 
 
 def test_runs_without_an_answer_or_not_as_expected_are_told(tmp_path):
-    result = quick_study(tmp_path / "out", "mesh_ratio", process=None)
+    result = quick_study(tmp_path / "out", "aspect", process=None)
     page = write_study(study.STUDY, result, tmp_path).read_text(encoding="utf-8")
-    assert study.title_of("mesh_ratio") in unescape(page)
+    assert study.title_of("aspect") in unescape(page)
     assert set(study.runs(result)["verdict"]) <= {"accurate", "warned"}
     assert study.fault(result) == ""
     record = json.loads(json.dumps(result.record))
@@ -126,7 +127,7 @@ def test_runs_without_an_answer_or_not_as_expected_are_told(tmp_path):
     second |= {"tables": {}, "failed": "ended with code 5"}
     told = StudyResult(record)
     assert list(study.not_met(told)["reason"]) == ["planted", "ended with code 5"]
-    assert "mesh_ratio" in study.fault(told)
+    assert "aspect" in study.fault(told)
     assert study.by_case(told)["WRONG"].sum() == 2
 
 
