@@ -11,8 +11,7 @@ from cea.errors import require
 from cea.petsc import MPI
 from comparisons.study.columns import medians, wide
 from comparisons.study.measure import measured
-from comparisons.study.numbers import shown
-from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from scenes import run_modes
 from scenes.spec.reading import Scene, load_scene
@@ -118,10 +117,8 @@ def speed_up(result: StudyResult) -> pd.DataFrame:
     return found[["stage", "ranks", "fewest", "busiest", "ratio"]]
 
 
-COLUMNS = {
-    "fewest": Column("on the fewest", "s", shown(3)),
-    "busiest": Column("on these", "s", shown(3)),
-}
+_RUNS = "Processor time of each stage and increase of peak memory, summed over ranks (s, MB)."
+_RANKS = "Seconds of the busiest rank, also waiting for others, and of that of the fewest ranks."
 STUDY = Study(
     name="bench scaling",
     title="More ranks and more unknowns",
@@ -136,21 +133,8 @@ STUDY = Study(
             "Runs",
             of="runs",
             tables=[
-                Table(
-                    "runs",
-                    "Whole runs: processor time of each stage, summed over ranks (s); increase of "
-                    "peak memory, summed over ranks.",
-                    runs,
-                    COLUMNS,
-                    printed=True,
-                ),
-                Table(
-                    "ranks",
-                    "Processor time of the busiest rank, including waiting for other ranks. The "
-                    "ideal ratio is the number of ranks over the fewest.",
-                    speed_up,
-                    COLUMNS,
-                ),
+                Table("runs", _RUNS, runs, printed=True),
+                Table("ranks", _RANKS, speed_up),
             ],
             plots=[
                 Plot(

@@ -19,7 +19,7 @@ from typer import Option
 
 import cea
 from cea.errors import ConvergenceError, InputError, WriteError
-from comparisons.cli.options import PLAIN, LazyGroup, MissingExtraError
+from comparisons.cli.options import PLAIN, LazyGroup
 
 COMMANDS = {
     "run": ("run:run", "Run one scene and write its result.json."),
@@ -46,7 +46,7 @@ RENAMED = {
     "figure": "paper",
     "formulations": "study patch_tests or locking",
     "peers": "bench calculix",
-    "race": "bench matrices",
+    "race": "solve",
     "reference": "converge disc_pad",
 }
 """Old names of commands, and their current names."""
@@ -114,7 +114,7 @@ def main() -> None:
         app(standalone_mode=True)
 
 
-_EXPECTED = (InputError, ConvergenceError, WriteError, MissingExtraError)
+_EXPECTED = (InputError, ConvergenceError, WriteError)
 """Errors printed in one line each, as those of scenes are; others come with a traceback."""
 
 _OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EPIPE)

@@ -21,11 +21,7 @@ if TYPE_CHECKING:
 Options = Mapping[str, tuple[Any, Any, str]]
 """Type, default and help of options by name."""
 _LIST: Options = {
-    "max_frequency": (
-        float | None,
-        None,
-        "List all eigenvalues: Im up to this, Re up to half of it.",
-    ),
+    "max_frequency": (float | None, None, "List all with Im up to this, Re up to half of it."),
     "count": (int | None, None, "Or: list this many, lowest first."),
 }
 _FRICTION: Options = {
@@ -37,17 +33,13 @@ _MU: Options = {"mu": (str, "0.3", "Friction coefficient.")}
 _JSON: Options = {"json": (Path | None, None, "File for the entries.")}
 
 
-def _drum(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
+def _drum(entries: Any, problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """Annulus a around annulus b, clamped outside and inside, in plane strain or 3D (--kz)."""
-    from exact_cea import entries
-
     return [entries.drum(problem.of(m, **given), *_window(o, 14)) for m in o.m]
 
 
-def _blocks(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
+def _blocks(entries: Any, problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """Layer a on layer b between roller walls, with sinusoidal or constant friction."""
-    from exact_cea import entries
-
     if o.mu is not None and (o.mu0 is not None or o.thresholds):
         raise InputError("mu", o.mu, "not together with mu0 or thresholds")
     default = "1" if o.thresholds else "0.3"
@@ -62,24 +54,22 @@ def _blocks(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     return [make(blocks, *_window(o, 11))]
 
 
-def _ring(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
+def _ring(entries: Any, problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """Ring pad a on disc b with rolling rims, by a Galerkin method of high degree."""
-    from exact_cea import entries
-
     return [entries.ring(problem.of(m, **given), *_window(o, 20)) for m in o.m]
 
 
-def _hoffmann(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
+def _hoffmann(entries: Any, problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """A system of two degrees of freedom, the model of Hoffmann."""
-    from exact_cea import entries, lumped
+    from exact_cea import lumped
 
     threshold = lumped.hoffmann_threshold(o.k11, o.k12, o.k22, o.k3)
     return [entries.lumped_system(problem(**given), {"mu_c": str(float(threshold))})]
 
 
-def _hulten(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
+def _hulten(entries: Any, problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """A system of two degrees of freedom, the model of Hulten."""
-    from exact_cea import entries, lumped
+    from exact_cea import lumped
 
     info = {}
     if not lumped.rationals(rotation=o.rotation)[0]:
@@ -115,11 +105,12 @@ class _Problems(LazyGroup):
 
         def call(**given: Any) -> None:
             from cea.files import check_writable
+            from exact_cea import entries
 
             if given["json"] is not None:
                 check_writable(given["json"], "json")
-            chosen = make(problem, _parameters(problem, given), SimpleNamespace(**given))
-            _deliver(chosen, given["json"])
+            chosen = _parameters(problem, given)
+            _deliver(make(entries, problem, chosen, SimpleNamespace(**given)), given["json"])
 
         call.__doc__ = make.__doc__
         return command_with(call, {**_own_options(problem), **more, **_JSON}, name)
@@ -169,10 +160,7 @@ def _window(o: Any, default: int) -> tuple[float | None, int | None]:
     return o.max_frequency, count
 
 
-_NOT_IN_LINE = (
-    *("lam", "lam_contact_free", "digits_each"),
-    *("M", "C", "K", "window", "a", "b", "sizes"),
-)
+_LISTED = {"lam", "lam_contact_free", "digits_each", "M", "C", "K", "window", "a", "b", "sizes"}
 """Keys of an entry that its first line does not show."""
 
 
@@ -180,7 +168,7 @@ def _deliver(found: "list[Entry]", file: Path | None) -> None:
     from exact_cea import entries
 
     for entry in found:
-        typer.echo("  ".join(f"{key}={entry[key]}" for key in entry if key not in _NOT_IN_LINE))
+        typer.echo("  ".join(f"{key}={entry[key]}" for key in entry if key not in _LISTED))
         for real, imaginary in entry.get("lam", []):
             typer.echo(f"{real:>32} {imaginary:>28}")
         for _, imaginary in entry.get("lam_contact_free", []):

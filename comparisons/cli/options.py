@@ -76,22 +76,15 @@ def group(text: str, cls: type[TyperGroup] = TyperGroup) -> typer.Typer:
     return made
 
 
-class MissingExtraError(Exception):
-    """A command needs an extra that is not installed."""
-
-
 def need(*extras: str) -> None:
     """Raise an error with the command that installs them if extras are not installed.
 
     Extras are ``pictures``, ``maps`` and ``exact``.
     """
     for extra in extras:
-        missing = [module for module in _MODULES[extra] if find_spec(module) is None]
-        if missing:
-            raise MissingExtraError(
-                f"{', '.join(missing)} is not installed: "
-                f"python -m pip install 'friction-cea[{extra}]'"
-            )
+        missing = ", ".join(module for module in _MODULES[extra] if find_spec(module) is None)
+        allowed = f"installed, by python -m pip install 'friction-cea[{extra}]'"
+        require(not missing, "modules", missing, allowed)
 
 
 def command_with(

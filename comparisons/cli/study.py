@@ -31,7 +31,6 @@ BENCHMARKS = {
     "assembly": ("bench.assembly", "Stiffness and mass, against dolfinx."),
     "solve": ("bench.solve", "Modes of disc_pad, against SLEPc, scipy, projection."),
     "scaling": ("bench.scaling", "More ranks and finer meshes."),
-    "matrices": ("bench.matrices", "Matrices from files, against scipy."),
     "calculix": ("bench.calculix", "CalculiX on the same meshes."),
 }
 """Benchmarks: time and memory on this machine, against other programs and methods."""

@@ -1,17 +1,18 @@
 """Runs of a case: a scene solved in several ways, with the verdicts allowed for each."""
 
-import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
+from json import dumps, loads
 from typing import Any, Literal
 
 import numpy as np
 
 from cea.arrays import Complexes
 from comparisons.stability.dense import carried_eigenvalues, dense_eigenvalues
-from comparisons.stability.problems import OfScene, Problem
-from comparisons.stability.ways import WAYS, Way
+from comparisons.stability.problems import Problem, of_scene
+from comparisons.stability.ways import WAYS, Way, Ways
+from scenes.spec.plain import plain_data
 
 Verdict = Literal["accurate", "warned", "refused", "WRONG"]
 
@@ -76,22 +77,22 @@ def exact(problem: str, *, max_frequency: float, **parameters: Any) -> Reference
     return Reference("exact", values)
 
 
-def formula(values: Sequence[complex]) -> Reference:
+def formula(values: Sequence[complex] | Complexes) -> Reference:
     """Eigenvalues in closed form."""
     return Reference("formula", lambda: np.asarray(values, dtype=complex))
 
 
 def _key(scene: Mapping[str, Any]) -> str:
     """A scene as text without its forms: penalty and saddle have the same eigenvalues."""
-    data = json.loads(json.dumps(scene))
+    data = plain_data(scene)
     for contact in data.get("contacts", {}).values():
         contact.pop("form", None)
-    return json.dumps(data, sort_keys=True)
+    return dumps(data, sort_keys=True)
 
 
 @cache
 def _values(compute: Callable[[dict[str, Any]], Complexes], scene: str) -> Complexes:
-    return compute(json.loads(scene))
+    return compute(loads(scene))
 
 
 @dataclass(frozen=True)
@@ -113,31 +114,30 @@ Runs = Iterator[Run]
 
 
 def runs(
-    row: str,
-    scene: Mapping[str, Any],
-    ways: Iterable[Way] = WAYS,
+    rows: Mapping[str, Mapping[str, Any]],
+    ways: Ways = WAYS,
     true: Callable[[dict[str, Any]], Reference] | Reference | None = dense,
     *,
     expected: str = "accurate",
     instead: Mapping[str, Any] | None = None,
-    problem: Callable[[dict[str, Any]], Problem] = OfScene,
+    problem: Callable[..., Any] = of_scene,
     also: tuple[str, ...] = (),
     **fields: Any,
 ) -> Runs:
-    """Yield a run of a scene for each way; ``row`` distinguishes it within its case.
+    """Yield a run in each way for each of several scenes, by the label that distinguishes it.
 
     ``true`` is the reference, or makes it from the scene as it is run, or from another scene
-    ``instead``; None if only a refusal is right. ``problem`` makes the problem from the scene,
+    ``instead``; None if only a refusal is right. ``problem`` solves a scene up to a frequency,
     ``also`` are warnings allowed in addition to those about the mesh; others are fields of Run.
     """
     fields = {"warnings": (*MESH, *also), **fields}
-    for way in ways:
-        reference = true(way.of(instead or scene)) if callable(true) else true
-        yield Run(row, way, problem(way.of(scene)), reference, EXPECTED[expected], **fields)
+    for row, scene in rows.items():
+        for way in ways:
+            reference = true(way.of(instead or scene)) if callable(true) else true
+            solve = partial(problem, way.of(scene))
+            yield Run(row, way, solve, reference, EXPECTED[expected], **fields)
 
 
-def refused(
-    row: str, scene: Mapping[str, Any], ways: Iterable[Way] = WAYS, names: str = ""
-) -> Runs:
-    """Yield runs of a scene that must be refused, with a message that contains ``names``."""
-    return runs(row, scene, ways, None, expected="refused", names=names)
+def refused(rows: Mapping[str, Mapping[str, Any]], ways: Ways = WAYS, names: str = "") -> Runs:
+    """Yield runs of scenes that must be refused, with a message that contains ``names``."""
+    return runs(rows, ways, None, expected="refused", names=names)

@@ -1,12 +1,15 @@
 """Cases of bodies: extreme geometry, materials and units, degrees and shapes of elements."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from comparisons.stability.case import Runs, exact, formula, refused, runs
+from comparisons.stability.problems import of_mesh_file
 from comparisons.stability.scenes import (
     ABOUT_Z,
+    FINE,
     LINING,
     STEEL,
     Scene,
@@ -21,8 +24,10 @@ from comparisons.stability.scenes import (
     pad,
     patch,
     rectangle,
+    ring,
     scene,
     spline_patch,
+    stacked,
     up_to,
 )
 from comparisons.stability.ways import ALONE, FEW, MORTAR, PAIR, SADDLE, WAYS, chosen
@@ -32,17 +37,12 @@ _PART = chosen(WAYS, "node", "Greville", "GPTS, penalty", "segments, penalty", "
 _FRICTION = "0.3*abs(sin(pi*x/2))"
 
 
-def _both(fields: dict[str, Any], **others: Any) -> Scene:
-    """Layers with the same fields of both bodies."""
-    return layers(upper=fields, lower=fields, **others)
-
-
 def apart() -> Runs:
     """Sides of a contact 0.1 to 0.24 m apart."""
     for distance in (0.1, 0.24):
         data = changed(pad(1.0), {"bodies.pad.geometry.origin": [0.5, distance]})
-        away, row = data | {"contacts": {}}, f"{distance:g} m apart"  # the sides do not touch
-        yield from runs(row, data, _PART, instead=away, expected="not accurate")
+        away, rows = data | {"contacts": {}}, {f"{distance:g} m apart": data}  # no side touches
+        yield from runs(rows, _PART, instead=away, expected="not accurate")
 
 
 def aspect() -> Runs:
@@ -51,26 +51,21 @@ def aspect() -> Runs:
         ("flat elements", 1e3, 1.0, "accurate", 1e-8),
         ("columns", 1.0, 1e3, "warned", 1e-4),
     ):
-        below = rectangle((width, height), (0.0, -height))
-        bodies = {
-            "upper": body(rectangle((width, height)), (2, 2), E=0.5, held="y_max"),
-            "lower": body(below, (3, 2), held="y_min"),
-        }
-        data = scene(bodies, contact=contact("upper.y_min", "lower.y_max"))
-        yield from runs(row, data, FEW, expected=expected, tolerance=tolerance)
+        above = body(rectangle((width, height)), (2, 2), E=0.5, held="y_max")
+        below = body(rectangle((width, height), (0.0, -height)), (3, 2), held="y_min")
+        yield from runs({row: stacked(above, below)}, FEW, expected=expected, tolerance=tolerance)
 
 
 def contact_edges() -> Runs:
     """Edges of the contact inside elements, contact on one element."""
-    for row, width, at, elements in (  # element boundaries of the base: 0.4, 0.8
-        ("edges inside elements", 0.5, 0.63, (3, 2)),
-        ("on one element", 0.1, 0.85, (3, 2)),
-        ("one element on one", 0.1, 0.85, (1, 1)),
-        ("edge on an edge", 0.4, 0.8, (2, 2)),
-        ("edge almost on an edge", 0.4, 0.8 - 1e-13, (2, 2)),
-    ):
-        data = pad(width, at, pad_elements=elements)
-        yield from runs(row, data, chosen(WAYS, without="full pass"))
+    rows = {  # element boundaries of the base: 0.4, 0.8
+        "edges inside elements": pad(0.5, 0.63),
+        "on one element": pad(0.1, 0.85),
+        "one element on one": pad(0.1, 0.85, pad_elements=(1, 1)),
+        "edge on an edge": pad(0.4, 0.8, pad_elements=(2, 2)),
+        "edge almost on an edge": pad(0.4, 0.8 - 1e-13, pad_elements=(2, 2)),
+    }
+    return runs(rows, chosen(WAYS, without="full pass"))
 
 
 def crowned() -> Runs:
@@ -85,11 +80,11 @@ def crowned() -> Runs:
     for radius in (1e4, 1e6, 1e8, 1e12, 1e30):
         fall = 0.5**2 / (8 * radius) / 0.4  # of the face, relative to the height of the pad
         tolerance = max(1e-8, 10 * fall if fall > 1e-10 else 0.0)
-        yield from runs(f"radius {radius:.0e}", made(radius), instead=flat, tolerance=tolerance)
+        yield from runs({f"radius {radius:.0e}": made(radius)}, instead=flat, tolerance=tolerance)
     leaves = changed(made(0.5), {"contacts.contact.reach": 0.3})  # the side of the pad
     away = leaves | {"contacts": {}}
-    yield from runs("radius 0.5, closed", leaves, ways, instead=away, expected="not accurate")
-    yield from refused("radius 0.05", made(0.05), ways, "radii")
+    yield from runs({"radius 0.5, closed": leaves}, ways, instead=away, expected="not accurate")
+    yield from refused({"radius 0.05": made(0.05)}, ways, "radii")
 
 
 def edge_layers() -> Runs:
@@ -104,54 +99,52 @@ def edge_layers() -> Runs:
     for degree in (1, 2, 4):
         for n in (1, 4, 8):
             row = f"{n} layer{'s' if n > 1 else ''}, degree {degree}"
-            yield from runs(row, crowded(n, lower={"degree": degree}), _FE)
+            yield from runs({row: crowded(n, lower={"degree": degree})}, _FE)
     one_cell = crowded(1, lower_elements=(1, 1))
-    yield from refused("edges at opposite corners of a cell", one_cell, _FE, "elements")
+    yield from refused({"edges at opposite corners of a cell": one_cell}, _FE, "elements")
 
 
 def far_origin() -> Runs:
     """The origin 1e3 and 1e6 m away."""
     for away, tolerance in ((1e3, 1e-9), (1e6, 1e-6)):
         for name, data in (("layers", layers()), ("pad", pad(max_missed=0.6))):
-            there, row = moved(data, (away, -away)), f"{name} {away:.0e} m away"
-            yield from runs(row, there, instead=data, tolerance=tolerance)
+            rows = {f"{name} {away:.0e} m away": moved(data, (away, -away))}
+            yield from runs(rows, instead=data, tolerance=tolerance)
 
 
 def mesh_ratio() -> Runs:
     """Mesh ratio 1 to 50 across the contact, both ways."""
     for row, upper, lower in (("1 element on 50", 1, 50), ("50 elements on 1", 50, 1)):
-        yield from runs(row, layers(upper_elements=(upper, 1), lower_elements=(lower, 1)))
+        yield from runs({row: layers(upper_elements=(upper, 1), lower_elements=(lower, 1))})
 
 
 def narrow_sector() -> Runs:
     """Sectors of 90 to 0.1 degrees."""
     for degrees in (90.0, 1.0, 0.1):
         angles = {"shape": "ring_sector", "start": 30.0, "end": 30.0 + degrees}
-        outer = angles | {"inner_radius": 1.0, "outer_radius": 1.5}
-        inner = angles | {"inner_radius": 0.5, "outer_radius": 1.0}
         bodies = {
-            "outer": body(outer, (2, 3), held="outer"),
-            "inner": body(inner, (2, 2), held="inner"),
+            "outer": body(ring(1.0, 1.5) | angles, (2, 3), held="outer"),
+            "inner": body(ring(0.5, 1.0) | angles, (2, 2), held="inner"),
         }
         sliding = contact("outer.inner", "inner.outer", friction_direction_on_a=ABOUT_Z)
         may: dict[str, Any] = {"expected": "warned", "tolerance": 1e-6} if degrees < 1 else {}
-        yield from runs(f"{degrees:g} degrees", scene(bodies, contact=sliding), FEW, **may)
+        yield from runs({f"{degrees:g} degrees": scene(bodies, contact=sliding)}, FEW, **may)
 
 
 def overhang() -> Runs:
     """A pad over the edge of its base."""
     names = "node", "Greville", "GPTS", "segments", "mortar"
     ways = chosen(WAYS, *names, without="full pass")
-    yield from refused("half of it, not allowed", pad(0.5, 1.75), ways, "contact")
-    allowed = pad(0.5, 1.75, max_missed=0.6)
-    yield from runs("half of it, allowed", allowed, ways, also=("partly-uncovered",))
+    yield from refused({"half of it, not allowed": pad(0.5, 1.75)}, ways, "contact")
+    allowed = {"half of it, allowed": pad(0.5, 1.75, max_missed=0.6)}
+    yield from runs(allowed, ways, also=("partly-uncovered",))
 
 
 def thin_layer() -> Runs:
     """A layer in contact, thickness 1e-3 to 1e-5 of its length."""
     for height in (2e-3, 2e-4, 2e-5):
-        row = f"thickness {height / 2:.0e} of the length"
-        yield from runs(row, layers(height=height), FEW, tolerance=1e-7)
+        rows = {f"thickness {height / 2:.0e} of the length": layers(height=height)}
+        yield from runs(rows, FEW, tolerance=1e-7)
 
 
 _BENDING = np.array([1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349, 14.1371683910])
@@ -168,26 +161,28 @@ def thin_strip() -> Runs:
         omega = (_BENDING / 2.0) ** 2 * height / np.sqrt(12 * (1 - 0.3**2))
         expected, true = "accurate" if slenderness < 1e3 else "honest", formula(1j * omega)
         fields: dict[str, Any] = {"expected": expected, "tolerance": 5e-3, "lowest": 3}
-        yield from runs(f"L/h = {slenderness:.0e}", scene({"strip": strip}), ALONE, true, **fields)
+        rows = {f"L/h = {slenderness:.0e}": scene({"strip": strip})}
+        yield from runs(rows, ALONE, true, **fields)
 
 
 def density_contrast() -> Runs:
     """Density of side a 1e-4 to 1e4 times that of side b."""
     for ratio in (1e-4, 1e-2, 1e2, 1e4):
-        yield from runs(f"density ratio {ratio:.0e}", layers(upper={"E": 1.0, "rho": ratio}), FEW)
+        data = layers(upper={"E": 1.0, "rho": ratio})
+        yield from runs({f"density ratio {ratio:.0e}": data}, FEW)
 
 
 def elastic_contrast() -> Runs:
     """Young's modulus of side a 1e-6 to 1e6 times that of side b."""
     for ratio in (1e-6, 1e-3, 1e3, 1e6):
         data = layers(p=min(ratio, 1.0), upper={"E": ratio, "rho": 1.0})
-        yield from runs(f"E ratio {ratio:.0e}", data, FEW)
+        yield from runs({f"E ratio {ratio:.0e}": data}, FEW)
 
 
 def incompressible() -> Runs:
     """Poisson's ratio 0 to 0.49999, against dense eigenvalues."""
     for nu in (0.0, 0.49, 0.499, 0.4999, 0.49999):
-        yield from runs(f"ν = {nu}", _both({"nu": nu}), FEW)
+        yield from runs({f"ν = {nu}": layers(both={"nu": nu})}, FEW)
 
 
 def anisotropic() -> Runs:
@@ -195,43 +190,44 @@ def anisotropic() -> Runs:
     axes = {"first": [2.0, 1.0, 0.0], "second": [0.0, 1.0, 0.0]}
     shear = {"G_12": 0.04, "G_13": 0.04, "G_23": 0.04, "rho": 0.35, "axes": axes}
     plain = {"E_1": 0.1, "E_2": 0.1, "E_3": 0.1, "nu_12": 0.25, "nu_13": 0.25, "nu_23": 0.25}
-    for row, change in {
+    changes = {
         "E_1 / E_2 = 1e2": {"E_1": 10.0},
         "E_1 / E_2 = 1e4": {"E_1": 1000.0},
         "E_1 / E_2 = 1e-4": {"E_2": 1000.0, "nu_12": 1e-4},
         "ν₁₂ = 0.9999 of its bound": {"nu_12": 0.9999, "nu_13": 0.0, "nu_23": 0.0},
         "ν = 0.4999 of each": {"nu_12": 0.4999, "nu_13": 0.4999, "nu_23": 0.4999},
         "G_12 / E = 1e-4": {"G_12": 1e-5},
-    }.items():
-        material = {"kind": "orthotropic", **shear, **plain, **change}
-        yield from runs(row, layers(upper={"material": material}), FEW)
+    }
+    material = {"kind": "orthotropic", **shear, **plain}
+    rows = {row: layers(upper={"material": material | each}) for row, each in changes.items()}
+    return runs(rows, FEW)
 
 
 def locking() -> Runs:
     """Poisson's ratio 0.3 to 0.49999, against exact eigenvalues: locking."""
     from exact_cea.material import Material
 
-    fine = {"upper_elements": (8, 3), "lower_elements": (7, 4), "mu": _FRICTION}
     fields: dict[str, Any] = {"expected": "honest", "tolerance": 0.05, "warnings": ()}
     for nu in (0.3, 0.499, 0.49999):
         a, b = Material.of("0.1", str(nu), "0.35"), Material.of("1", str(nu), "1")
         true = exact("blocks", max_frequency=0.4, p=1, mu="0.3", a=a, b=b)
         for degree in (1, 2, 4):
-            data, row = _both({"nu": nu, "degree": degree}, **fine), f"ν = {nu}, degree {degree}"
-            yield from runs(row, up_to(0.4, data), chosen(SADDLE, "mortar"), true, **fields)
+            data = up_to(0.4, layers(both={"nu": nu, "degree": degree}, mu=_FRICTION, **FINE))
+            rows = {f"ν = {nu}, degree {degree}": data}
+            yield from runs(rows, chosen(SADDLE, "mortar"), true, **fields)
 
 
 def units() -> Runs:
     """Units m-kg-s, mm-t-s, micrometres, kilometres."""
     brake = layers(upper=LINING, lower=STEEL, p=1e12)
-    for row, metre, kilogram in (
-        ("m, kg, s", 1.0, 1.0),
-        ("mm, t, s", 1e3, 1e-3),
-        ("µm, kg, s", 1e6, 1.0),
-        ("µm, ng, s", 1e6, 1e12),
-        ("km, kg, s", 1e-3, 1.0),
-    ):
-        yield from runs(row, in_units(brake, metre=metre, kilogram=kilogram), instead=brake)
+    rows = {
+        "m, kg, s": in_units(brake),
+        "mm, t, s": in_units(brake, metre=1e3, kilogram=1e-3),
+        "µm, kg, s": in_units(brake, metre=1e6),
+        "µm, ng, s": in_units(brake, metre=1e6, kilogram=1e12),
+        "km, kg, s": in_units(brake, metre=1e-3),
+    }
+    return runs(rows, instead=brake)
 
 
 _FOOT = [[0.5, 0.0], [1.0, 0.0]]
@@ -255,35 +251,32 @@ def _repeated(times: int) -> Scene:
 
 def patches() -> Runs:
     """Strong weights, repeated knots, a pole, distorted cells."""
-    yield from runs("weights 2", on_base(_weighted(2.0)), _IGA)
-    for weight in ("10", "1e2", "1e4", "1e-4"):
-        # Most of the patch is squeezed into a sliver, which few Gauss points do not resolve.
-        data = on_base(_weighted(float(weight)))
-        yield from runs(f"weights {weight}", data, _IGA, expected="honest", tolerance=1e-6)
-    yield from runs("double knot", on_base(_repeated(2)), _IGA)
-    for row, shape in {
-        "skewed": patch(_FOOT, [[1.4, 0.5], [1.6, 0.5]]),
-        "almost inverted": patch(_FOOT, [[0.7499, 0.5], [0.75, 0.5]]),
-        "left-handed": patch([[1.0, 0.0], [0.5, 0.0]], [[1.0, 0.5], [0.5, 0.5]]),
-    }.items():
-        yield from runs(row, on_base(shape), _IGA)
-    yield from runs("pole", on_base(patch(_FOOT, [[0.75, 0.5], [0.75, 0.5]]), held=False), _IGA)
+    yield from runs({"weights 2": on_base(_weighted(2.0))}, _IGA)
+    # Most of the patch is squeezed into a sliver, which few Gauss points do not resolve.
+    strong = {f"weights {w}": on_base(_weighted(float(w))) for w in ("10", "1e2", "1e4", "1e-4")}
+    yield from runs(strong, _IGA, expected="honest", tolerance=1e-6)
+    rows = {
+        "double knot": on_base(_repeated(2)),
+        "skewed": on_base(patch(_FOOT, [[1.4, 0.5], [1.6, 0.5]])),
+        "almost inverted": on_base(patch(_FOOT, [[0.7499, 0.5], [0.75, 0.5]])),
+        "left-handed": on_base(patch([[1.0, 0.0], [0.5, 0.0]], [[1.0, 0.5], [0.5, 0.5]])),
+        "pole": on_base(patch(_FOOT, [[0.75, 0.5], [0.75, 0.5]]), held=False),
+    }
+    yield from runs(rows, _IGA)
 
 
 def inverted() -> Runs:
     """Inverted and folded patches."""
-    for row, head in {
-        "crossed": [[1.0, 0.5], [0.5, 0.5]],
-        "folded": [[0.8, 0.5], [0.7, 0.2]],
-        "flat": [[0.5, 0.0], [1.0, 0.0]],
-    }.items():
-        yield from refused(
-            row, on_base(patch(_FOOT, head)), chosen(_IGA, "GPTS, penalty", "mortar")
-        )
+    rows = {
+        "crossed": on_base(patch(_FOOT, [[1.0, 0.5], [0.5, 0.5]])),
+        "folded": on_base(patch(_FOOT, [[0.8, 0.5], [0.7, 0.2]])),
+        "flat": on_base(patch(_FOOT, [[0.5, 0.0], [1.0, 0.0]])),
+    }
+    return refused(rows, chosen(_IGA, "GPTS, penalty", "mortar"))
 
 
 def _coarse(degree: int) -> Scene:
-    return _both({"degree": degree}, upper_elements=(3, 1), lower_elements=(2, 2))
+    return layers(both={"degree": degree}, upper_elements=(3, 1), lower_elements=(2, 2))
 
 
 def continuity() -> Runs:
@@ -291,7 +284,7 @@ def continuity() -> Runs:
     for p in (2, 4):
         for c in range(p):  # collocation points cluster at knots of low continuity
             fields = {f"bodies.{n}.mesh.iga.continuity": [c] * 2 for n in ("upper", "lower")}
-            yield from runs(f"degree {p}, C{c}", changed(_coarse(p), fields), _IGA)
+            yield from runs({f"degree {p}, C{c}": changed(_coarse(p), fields)}, _IGA)
 
 
 def degrees() -> Runs:
@@ -300,11 +293,11 @@ def degrees() -> Runs:
     true = exact("blocks", max_frequency=0.4, p=1, mu="0.3")
     for p in range(1, 9):
         ways = some if p < 5 else chosen(some, backend="iga")
-        yield from runs(f"degree {p}", _coarse(p), ways)
+        yield from runs({f"degree {p}": _coarse(p)}, ways)
     for p in range(3, 9):
         ways = MORTAR if p < 5 else chosen(MORTAR, backend="iga")
-        data = up_to(0.4, _both({"degree": p}, mu=_FRICTION))
-        yield from runs(f"degree {p}, exact", data, ways, true, tolerance=1e-3)
+        data = up_to(0.4, layers(both={"degree": p}, mu=_FRICTION))
+        yield from runs({f"degree {p}, exact": data}, ways, true, tolerance=1e-3)
 
 
 def simplices() -> Runs:
@@ -319,4 +312,26 @@ def simplices() -> Runs:
                 for name in ("upper", "lower"):
                     fields[f"bodies.{name}.mesh.fe.cell"] = cell
                     fields[f"bodies.{name}.mesh.fe.degree"] = degree
-                yield from runs(f"{cell}, degree {degree}", changed(data, fields), ways)
+                yield from runs({f"{cell}, degree {degree}": changed(data, fields)}, ways)
+
+
+def mesh_files() -> Runs:
+    """Bodies from mesh files."""
+    ways = chosen(PAIR, backend="fe")
+    given: dict[str, Any]
+    for row, data, given in (
+        ("metres", layers(), {}),
+        ("micrometres", layers(), {"unit": "um"}),
+        ("feet", layers(), {"unit": "ft"}),
+        ("elements of aspect 1e4", layers(height=1e-4), {}),
+        ("node numbers to 1e9", layers(), {"step": 10**7}),
+        ("a pad that ends on its base", pad(), {"unit": "mm"}),
+    ):
+        yield from runs({row: data}, ways, problem=partial(of_mesh_file, **given))
+    for row, name, value in (
+        ("no unit", "unit", None),
+        ("two bodies as one", "part", None),
+        ("a set that is not there", "faces", {"y_min": "nowhere"}),
+    ):
+        given = {"problem": partial(of_mesh_file, geometry={name: value}), "names": name}
+        yield from runs({row: layers()}, ways, None, expected="refused", **given)

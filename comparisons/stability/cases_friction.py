@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 
 from comparisons.stability.case import Runs, dense, refused, runs
-from comparisons.stability.problems import OfMap
+from comparisons.stability.problems import of_map
 from comparisons.stability.scenes import (
-    ABOUT_Z,
+    FINE,
     LINING,
     STEEL,
     Scene,
     body,
     changed,
+    coarse,
     contact,
     in_units,
     layers,
@@ -23,6 +24,7 @@ from comparisons.stability.scenes import (
     rectangle,
     scene,
     sprag,
+    stacked,
     unequal_boxes,
     up_to,
 )
@@ -33,10 +35,10 @@ _SIMPLE = chosen(WAYS, "GPTS, penalty", "mortar")
 
 def friction() -> Runs:
     """Friction 0, 1e-12, 0.3, 1, 5, oscillating."""
-    for mu in (0.0, 1e-12, 0.3, 1.0, 5.0):
-        yield from runs(f"μ = {mu:g}", layers(mu=mu, p=10.0))
-    yield from runs("μ oscillates", layers(mu="0.5*abs(sin(40*pi*x))", p=10.0))
-    yield from refused("μ changes sign", layers(mu="0.5*sin(5*pi*x)"), PAIR, "mu")
+    rows = {f"μ = {mu:g}": layers(mu=mu, p=10.0) for mu in (0.0, 1e-12, 0.3, 1.0, 5.0)}
+    rows["μ oscillates"] = layers(mu="0.5*abs(sin(40*pi*x))", p=10.0)
+    yield from runs(rows)
+    yield from refused({"μ changes sign": layers(mu="0.5*sin(5*pi*x)")}, PAIR, "mu")
 
 
 def sprags() -> Runs:
@@ -44,7 +46,7 @@ def sprags() -> Runs:
     for angle, mu in ((60.0, 0.3), (60.0, 0.7), (60.0, 2.0), (80.0, 0.5), (80.0, 5.0)):
         for p in (1.0, 1e4):
             row = f"{angle:g} degrees, μ = {mu:g}, p = {p:.0e}"
-            yield from runs(row, sprag(angle, mu, p=p), lowest=6)
+            yield from runs({row: sprag(angle, mu, p=p)}, lowest=6)
 
 
 def slow() -> Runs:
@@ -52,8 +54,8 @@ def slow() -> Runs:
     fast = sprag(mu=1.0)
     for factor in (1e-6, 1e-3, 1e3, 1e6):
         heavier = {f"bodies.{name}.material.rho": factor**2 for name in fast["bodies"]}
-        true, row = partial(dense, factor=1 / factor), f"{factor:.0e} times slower"
-        yield from runs(row, changed(fast, heavier), _SIMPLE, true, instead=fast)
+        rows = {f"{factor:.0e} times slower": changed(fast, heavier)}
+        yield from runs(rows, _SIMPLE, partial(dense, factor=1 / factor), instead=fast)
 
 
 def arms() -> Runs:
@@ -79,7 +81,7 @@ def arms() -> Runs:
     ):
         sliding = contact("arm.foot", "base.y_max", p=p, mu=mu)
         data = up_to(end, scene({"arm": upper, "base": lower}, contact=sliding))
-        yield from runs(row, data, chosen(WAYS, backend="iga"), tolerance=1e-6)
+        yield from runs({row: data}, chosen(WAYS, backend="iga"), tolerance=1e-6)
 
 
 def _times(number: int, one: Scene) -> Scene:
@@ -109,33 +111,19 @@ def clusters() -> Runs:
         ("20 pairs, μ = 0.3", 20, _pair(0.3), _SIMPLE, 40),
         ("5 sprags", 5, sprag(mu=1.0), _SIMPLE, 15),
     ):
-        true, may = partial(dense, copies=number), ("bodies-overlap",)
-        data = _times(number, one)
-        yield from runs(row, data, ways, true, instead=one, lowest=lowest, also=may)
+        may: dict[str, Any] = {"also": ("bodies-overlap",), "lowest": lowest}
+        true, rows = partial(dense, copies=number), {row: _times(number, one)}
+        yield from runs(rows, ways, true, instead=one, **may)
 
 
 def disc_pad() -> Runs:
     """Disc and pad, friction to 2.5, P to 1e13 N/m."""
-    sector = {"shape": "sector", "start": 25.0, "end": 65.0, "bottom": 0.012, "top": 0.027}
-    annulus = {"shape": "annulus", "inner_radius": 0.06, "outer_radius": 0.15}
-    pad_at = sector | {"inner_radius": 0.09, "outer_radius": 0.14}
-    disc_at = annulus | {"bottom": 0.0, "top": 0.012}
-    lining: Scene = {"E": 8e9, "rho": 2500.0, "held": "top"}
-    steel: Scene = {"E": 2.1e11, "rho": 7800.0, "held": "inner"}
     for mu, P in ((0.0, 1e9), (0.7, 1e9), (2.5, 1e11), (2.5, 1e13)):
-        sliding = {"P": P, "mu": mu, "max_missed": 0.2, "friction_direction_on_a": ABOUT_Z}
         for backend, degree, elements in (("fe", 1, (3, 20, 1)), ("iga", 2, (2, 12, 1))):
-            bodies = {
-                "pad": body(pad_at, (2, 3, 1), degree=degree, **lining),
-                "disc": body(disc_at, elements, degree=degree, **steel),
-            }
-            data = scene(bodies, contact=contact("pad.bottom", "disc.top", **sliding))
-            ways, row = chosen(FEW, backend=backend), f"μ = {mu:g}, P = {P:.0e} N/m"
-            yield from runs(row, data, ways, tolerance=1e-7)
-
-
-def _fine(**fields: Any) -> Scene:
-    return layers(upper_elements=(8, 3), lower_elements=(7, 4), **fields)
+            data = coarse("disc_pad", degree, pad=(2, 3, 1), disc=elements)
+            data["contacts"]["pad_disc"] |= {"P": P, "mu": mu, "max_missed": 0.2}
+            rows = {f"μ = {mu:g}, P = {P:.0e} N/m": data}
+            yield from runs(rows, chosen(FEW, backend=backend), tolerance=1e-7)
 
 
 _FREE_BLOCK = scene({"block": body(rectangle((2.0, 1.0)), (4, 3))})
@@ -143,33 +131,32 @@ _FREE_BLOCK = scene({"block": body(rectangle((2.0, 1.0)), (4, 3))})
 
 def everyday() -> Runs:
     """Everyday scenes: accurate, and free of warnings."""
-    brake = _fine(upper=LINING, lower=STEEL, p=1e11)
-    for row, data in {
-        "layers": _fine(),
-        "layers without friction": _fine(mu=0.0),
-        "layers, friction 0.7": _fine(mu=0.7),
+    brake = layers(upper=LINING, lower=STEEL, p=1e11, **FINE)
+    rows = {
+        "layers": layers(**FINE),
+        "layers without friction": layers(mu=0.0, **FINE),
+        "layers, friction 0.7": layers(mu=0.7, **FINE),
         "steel on lining, SI": brake,
         "steel on lining, mm-t-s": in_units(brake, metre=1e3, kilogram=1e-3),
         "pad": pad(),
         "sprag below its limit": sprag(60.0, 0.3),
         "sprag beyond its limit": sprag(60.0, 0.9),
-    }.items():
-        ways = (*FEW, *chosen(WAYS, "GPTS, full"))
-        yield from runs(row, data, ways, lowest=3, warnings=())
-    yield from runs("free block", _FREE_BLOCK, ALONE, lowest=5, warnings=())
+    }
+    yield from runs(rows, (*FEW, *chosen(WAYS, "GPTS, full")), lowest=3, warnings=())
+    yield from runs({"free block": _FREE_BLOCK}, ALONE, lowest=5, warnings=())
 
 
 def free_bodies() -> Runs:
     """Free bodies: rigid body modes."""
-    yield from runs("one block", _FREE_BLOCK, ALONE, tolerance=1e-6)
+    yield from runs({"one block": _FREE_BLOCK}, ALONE, tolerance=1e-6)
+    upper = body(rectangle((1.0, 0.5), (0.3, 0.0)), (3, 2), E=0.5)
     lower = body(rectangle((2.0, 1.0), (0.0, -1.0)), (4, 2))
-    bodies = {"upper": body(rectangle((1.0, 0.5), (0.3, 0.0)), (3, 2), E=0.5), "lower": lower}
     for mu in (0.0, 0.3, 1.5):
-        for name, data in (
-            ("plane", scene(bodies, contact=contact("upper.y_min", "lower.y_max", p=2.0, mu=mu))),
-            ("space", unequal_boxes(held=False, mu=mu)),
-        ):
-            yield from runs(f"two blocks, {name}, μ = {mu:g}", data, FEW, tolerance=1e-6, lowest=10)
+        rows = {
+            f"two blocks, plane, μ = {mu:g}": stacked(upper, lower, p=2.0, mu=mu),
+            f"two blocks, space, μ = {mu:g}": unequal_boxes(held=False, mu=mu),
+        }
+        yield from runs(rows, FEW, tolerance=1e-6, lowest=10)
 
 
 def maps() -> Runs:
@@ -184,9 +171,9 @@ def maps() -> Runs:
             "contacts.interface.mu": (0.0, 0.5, 1.0),
             "contacts.interface.P": np.geomspace(*ends, 9).tolist(),
         }
-        row, data = f"P = {P:g} N/m, μ = {mu:g}", layers(P=P, mu=mu)
-        expected, of_map = "honest" if P > 1e6 else "accurate", partial(OfMap, axes=axes)
-        yield from runs(row, data, ways, problem=of_map, expected=expected)
+        rows = {f"P = {P:g} N/m, μ = {mu:g}": layers(P=P, mu=mu)}
+        expected = "honest" if P > 1e6 else "accurate"
+        yield from runs(rows, ways, problem=partial(of_map, axes=axes), expected=expected)
 
 
 def whole_spectrum() -> Runs:
@@ -202,5 +189,5 @@ def whole_spectrum() -> Runs:
         ("far beyond all modes, P = 1", up_to(1e3, few(P=1.0)), FEW),
         ("far beyond all modes, P = inf", up_to(1e3, few(P=inf)), tied),
     ):
-        yield from runs(row, data, ways, lowest=10_000)
-    yield from runs("all modes, no friction", up_to(1e3, few(P=1.0, mu=0.0)), ALONE)
+        yield from runs({row: data}, ways, lowest=10_000)
+    yield from runs({"all modes, no friction": up_to(1e3, few(P=1.0, mu=0.0))}, ALONE)

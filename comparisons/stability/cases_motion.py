@@ -7,10 +7,9 @@ from typing import Any
 
 from scipy.optimize import brentq
 
-from comparisons.stability.case import Reference, Runs, carried, dense, refused, runs
-from comparisons.stability.problems import OfMap
+from comparisons.stability.case import Runs, carried, refused, runs
+from comparisons.stability.problems import of_map
 from comparisons.stability.scenes import (
-    WALLS,
     Scene,
     base,
     body,
@@ -21,8 +20,8 @@ from comparisons.stability.scenes import (
     rectangle,
     ring,
     scene,
+    stacked,
     unequal_boxes,
-    uniform,
 )
 from comparisons.stability.ways import ALONE, FEW, PAIR, UNIFORM, chosen
 
@@ -30,16 +29,12 @@ _ALLOWED = ("over-constrained", "under-sampled", "short-modes", "point-rule")
 """Warnings that runs under load may give."""
 _OPENS = "the load opens the contact"
 _PULLED = chosen(UNIFORM, "GPTS, penalty", "mortar, penalty")
+_PULLING = pressed_layers(-1e-3, c_n=1.0, m_n=2.0)
 
 
 def _slope(m: float, pressure: float, c: float) -> float:
     """Contact stiffness p of layers between rollers that a pressure closes uniformly."""
     return m * c * (pressure / c) ** ((m - 1) / m)
-
-
-def _known(p: float, data: Scene) -> Reference:
-    """Dense eigenvalues of the same layers with given p and their back held in place."""
-    return dense(uniform(data, p))
 
 
 def steady_sliding() -> Runs:
@@ -54,11 +49,10 @@ def steady_sliding() -> Runs:
         (2.0, 1e-3, 1e9),
     ):
         p, data = _slope(m, pressure, c), pressed_layers(pressure, c_n=c, m_n=m)
-        row = f"m_n = {m:g}, pressure {pressure:.0e}, p = {p:.0e}"
-        true, expected = partial(_known, p), "accurate" if p < 1e5 else "honest"  # beside E = 1
-        yield from runs(row, data, UNIFORM, true, expected=expected, warnings=_ALLOWED)
-    pulls = pressed_layers(-1e-3, c_n=1.0, m_n=2.0)
-    yield from refused("a load that pulls", pulls, UNIFORM, _OPENS)
+        rows = {f"m_n = {m:g}, pressure {pressure:.0e}, p = {p:.0e}": data}
+        may, known = "accurate" if p < 1e5 else "honest", pressed_layers(p=p)  # beside E = 1
+        yield from runs(rows, UNIFORM, instead=known, expected=may, warnings=_ALLOWED)
+    yield from refused({"a load that pulls": _PULLING}, UNIFORM, _OPENS)
 
 
 def load_steps() -> Runs:
@@ -74,11 +68,11 @@ def load_steps() -> Runs:
             # Under a tiny load the contact stiffness is lost in the rounding of that of the body.
             expected = "honest" if steps == nearly_lost and m > 3.0 else "accurate"
             pressed = pressed_layers(1e-3, c_n=c, m_n=m)
-            data = changed(pressed, {"analysis.load_steps": steps})
-            true, row = partial(_known, _slope(m, 1e-3, c)), f"{words}, m_n = {m:g}"
-            yield from runs(row, data, ways, true, expected=expected, warnings=_ALLOWED)
-    pulled = changed(pressed_layers(-1e-3, c_n=1.0, m_n=2.0), {"analysis.load_steps": 5})
-    yield from refused("a load that pulls, in steps", pulled, _PULLED, _OPENS)
+            rows = {f"{words}, m_n = {m:g}": changed(pressed, {"analysis.load_steps": steps})}
+            known = pressed_layers(p=_slope(m, 1e-3, c))
+            yield from runs(rows, ways, instead=known, expected=expected, warnings=_ALLOWED)
+    pulled = changed(_PULLING, {"analysis.load_steps": 5})
+    yield from refused({"a load that pulls, in steps": pulled}, _PULLED, _OPENS)
 
 
 _HEIGHT = 1.5  # height of both layers (m)
@@ -86,12 +80,11 @@ _LAYERS = ((0.1, 0.25, 0.5), (1.0, 0.3, 1.0))
 """E, nu and height of each (:func:`comparisons.stability.scenes.layers`)."""
 
 
-def _held(value: float, c: float, m: float) -> Scene:
-    """Layers with a prescribed displacement of their back along y."""
-    data = pressed_layers(1.0, c_n=c, m_n=m) | {"loads": []}
-    back = {"surface": "y_max", "components": ["x", "y"], "value": [0.0, value]}
-    data["bodies"]["upper"]["supports"] = [back, *WALLS]
-    return data
+def _held(value: float | None = None, **law: Any) -> Scene:
+    """Layers whose back is held, or has a prescribed displacement along y."""
+    back: Scene = {"surface": "y_max", "components": ["x", "y"]}
+    given = {} if value is None else {"value": [0.0, value]}
+    return pressed_layers(back=back | given, **law)
 
 
 def _closed(value: float, c: float, m: float) -> float:
@@ -109,10 +102,11 @@ def prescribed() -> Runs:
     """A prescribed displacement, from 1e-12 to 10 % of the height."""
     for part in (1e-12, 1e-6, 1e-3, 0.1):
         for m, c in ((1.0, 1.0), (2.0, 1.0 / part), (3.3, part**-2.3)):
-            row, value = f"{part:.0e} of the height, m_n = {m:g}", -part * _HEIGHT
-            true = partial(_known, _closed(value, c, m))
-            yield from runs(row, _held(value, c, m), UNIFORM, true, warnings=_ALLOWED)
-    yield from refused("pulled away", _held(1e-3, 1.0, 2.0), _PULLED, _OPENS)
+            value = -part * _HEIGHT
+            rows = {f"{part:.0e} of the height, m_n = {m:g}": _held(value, c_n=c, m_n=m)}
+            known = _held(p=_closed(value, c, m))
+            yield from runs(rows, UNIFORM, instead=known, warnings=_ALLOWED)
+    yield from refused({"pulled away": _held(1e-3, c_n=1.0, m_n=2.0)}, _PULLED, _OPENS)
 
 
 _BUCKLES = 0.04097906385107964
@@ -128,25 +122,26 @@ def prestress() -> Runs:
         data = pressed_layers(part * _BUCKLES, degree=1, c_n=1.0)
         data = changed(data, {"analysis.geometric_stiffness": True})
         expected = "accurate" if abs(part - 1) > 1e-3 else "honest"
-        row = f"{part:.10g} of the buckling load"
-        yield from runs(row, data, UNIFORM, expected=expected, warnings=_ALLOWED)
+        rows = {f"{part:.10g} of the buckling load": data}
+        yield from runs(rows, UNIFORM, expected=expected, warnings=_ALLOWED)
 
 
 def unsupported() -> Runs:
     """Static loads on unsupported bodies."""
     block = body(rectangle((1.0, 0.5), (0.3, 0.0)), (3, 2))
     partly = [{"surface": "y_min", "components": ["x"]}]
-    for row, lower, P in (
-        ("no supports", base((4, 2), held=""), 1e3),
-        ("one component held", base((4, 2), held="", supports=partly), 1e3),
-        ("the upper block may slide", base((4, 2)), 1e3),
-        ("no supports, P = 1e14", base((4, 2), held=""), 1e14),
-    ):
-        bodies = {"upper": block, "lower": lower}
-        data = scene(bodies, contact=contact("upper.y_min", "lower.y_max", P=P, mu=0.0))
-        loads = [{"surface": "upper.y_max", "pressure": 1.0}]
-        data = changed(data, {"analysis": {"kind": "static"}, "loads": loads})
-        yield from refused(row, data, FEW)
+
+    def loaded(P: float = 1e3, **supports: Any) -> Scene:
+        data = stacked(block, base((4, 2), **supports), "static", P=P, mu=0.0)
+        return data | {"loads": [{"surface": "upper.y_max", "pressure": 1.0}]}
+
+    rows = {
+        "no supports": loaded(held=""),
+        "one component held": loaded(held="", supports=partly),
+        "the upper block may slide": loaded(),
+        "no supports, P = 1e14": loaded(1e14, held=""),
+    }
+    return refused(rows, FEW)
 
 
 def _with(data: Scene, damping: dict[str, Any], *bodies: str) -> Scene:
@@ -161,9 +156,11 @@ def damping() -> Runs:
         # Modes at both ends of this range of frequencies have the ratio.
         fields: dict[str, Any] = {"ratios": [ratio, ratio], "frequencies": [0.05, 0.6]}
         also = ("undecided",) if ratio == 1e-12 else ()
-        both, upper = _with(layers(p=10.0), fields), _with(layers(p=10.0), fields, "upper")
-        yield from runs(f"ζ = {ratio:g}, both", both, PAIR, also=also)
-        yield from runs(f"ζ = {ratio:g}, upper alone", upper, PAIR, also=also)
+        rows = {
+            f"ζ = {ratio:g}, both": _with(layers(p=10.0), fields),
+            f"ζ = {ratio:g}, upper alone": _with(layers(p=10.0), fields, "upper"),
+        }
+        yield from runs(rows, PAIR, also=also)
 
 
 def damped_maps() -> Runs:
@@ -177,7 +174,7 @@ def damped_maps() -> Runs:
         row = f"α = {alpha:g} 1/s, β = {beta:g} s, μ = {mu:g}"
         data = _with(layers(p=10.0, mu=mu), {"alpha": alpha}, "upper")
         data = _with(data, {"beta": beta}, "lower")
-        yield from runs(row, data, PAIR, problem=partial(OfMap, axes=axes))
+        yield from runs({row: data}, PAIR, problem=partial(of_map, axes=axes))
 
 
 _EVERY = 1e3  # frequency (Hz) above all modes of these bodies
@@ -198,34 +195,37 @@ def _square() -> Scene:
 
 def modal_damping() -> Runs:
     """Modal damping, ratios 1e-12 to 0.999."""
-    rows: dict[str, dict[str, Any]] = {
-        f"ζ = {ratio:g}, all modes": {"ratio": ratio, "max_frequency": _EVERY}
+
+    def damped(**modal: Any) -> Scene:
+        return _with(layers(p=10.0), {"modal": modal})
+
+    rows = {
+        f"ζ = {ratio:g}, all modes": damped(ratio=ratio, max_frequency=_EVERY)
         for ratio in (1e-12, 1e-6, 1e-2, 0.3, 0.999)
     }
-    rows["ζ = 0.01 up to 0.3 Hz"] = {"ratio": 1e-2, "max_frequency": 0.3}
-    rows["a table"] = {
-        "ratios": [0.9, 1e-6, 0.5],
-        "frequencies": [0.2, 0.4, _EVERY],
-    }
-    for row, modal in rows.items():
-        yield from runs(row, _with(layers(p=10.0), {"modal": modal}), PAIR)
-    yield from runs("a free square", _square(), PAIR)
+    rows["ζ = 0.01 up to 0.3 Hz"] = damped(ratio=1e-2, max_frequency=0.3)
+    rows["a table"] = damped(ratios=[0.9, 1e-6, 0.5], frequencies=[0.2, 0.4, _EVERY])
+    rows["a free square"] = _square()
+    return runs(rows, PAIR)
 
 
 def sliding_speed() -> Runs:
     """Sliding speeds 1e-6 to 1e6, slopes of friction."""
-    sliding: dict[str, Scene] = {
-        "v = 1e6": {"speed": 1e6},
-        "v = 1": {"speed": 1.0},
-        "v = 1e-6": {"speed": 1e-6},
-        "v varies": {"speed": "0.01 + hypot(x, y)"},
-        "μ' = -1e-9": {"speed": 1.0, "mu_slope": -1e-9},
-        "μ' = -1": {"speed": 1.0, "mu_slope": -1.0},
-        "μ' = 1": {"speed": 1.0, "mu_slope": 1.0},
-        "μ' changes sign": {"speed": 1.0, "mu_slope": "x - 0.8"},
+
+    def at(speed: float | str, **slope: float | str) -> Scene:
+        return unequal_boxes(sliding={"pressure": 0.05, "speed": speed, **slope})
+
+    rows = {
+        "v = 1e6": at(1e6),
+        "v = 1": at(1.0),
+        "v = 1e-6": at(1e-6),
+        "v varies": at("0.01 + hypot(x, y)"),
+        "μ' = -1e-9": at(1.0, mu_slope=-1e-9),
+        "μ' = -1": at(1.0, mu_slope=-1.0),
+        "μ' = 1": at(1.0, mu_slope=1.0),
+        "μ' changes sign": at(1.0, mu_slope="x - 0.8"),
     }
-    for row, fields in sliding.items():
-        yield from runs(row, unequal_boxes(sliding={"pressure": 0.05} | fields), PAIR)
+    return runs(rows, PAIR)
 
 
 def rotation() -> Runs:
@@ -238,7 +238,7 @@ def rotation() -> Runs:
                 row = words + (", convective stiffness" if convective else "")
                 turning = {"rate": rate, "coriolis": coriolis, "convective_stiffness": convective}
                 turned = body(ring(0.5, 1.0), (2, 12), held="inner", rotation=turning)
-                yield from runs(row, scene({"ring": turned}), ALONE, also=may)
+                yield from runs({row: scene({"ring": turned})}, ALONE, also=may)
 
 
 _STANDS = 0.0447  # rate (rad/s) at which a wave of two diameters stands if sqrt(E / rho) = 1 m/s
@@ -277,5 +277,5 @@ def damped_rotation() -> Runs:
                 turned = body(ring(0.9, 1.0), (1, 24), degree=3, E=E, rho=rho, **moving)
                 row = f"{material}, damped by {words}, {part:g} of the rate of a standing wave"
                 may = ("centrifugal-stresses", "undecided") if part else ("centrifugal-stresses",)
-                data = scene({"ring": turned}, window)
-                yield from runs(row, data, ALONE, carried, tolerance=1e-3, also=may)
+                rows = {row: scene({"ring": turned}, window)}
+                yield from runs(rows, ALONE, carried, tolerance=1e-3, also=may)

@@ -54,9 +54,7 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
         | ({"form": "saddle"} if np.inf in (contact.get("P"), contact.get("p")) else {})
         for name, contact in data.get("contacts", {}).items()
     }
-    given, analysis = data["analysis"], {"kind": "cea", "max_frequency": 1.0}
-    if "geometric_stiffness" in given:
-        analysis["geometric_stiffness"] = given["geometric_stiffness"]
+    analysis = {"max_frequency": 1.0, **data["analysis"]}
     scene = read_scene({**data, "analysis": analysis, "contacts": contacts})
     system, _ = coupled(scene)
     bodies = system.bodies.values()
@@ -88,13 +86,11 @@ def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint])
     J = np.vstack([np.empty((0, n)), *(c[0] for c in constraints)])
     L = np.vstack([np.empty((0, n)), *(c[1] for c in constraints)])
     C = block_diag(np.empty((0, 0)), *(c[2] for c in constraints))
-    shift = _SHIFT * float(eigh(stiffness + stiffness.T, 2 * mass, eigvals_only=True).max())
-    shift *= 1e-6
-    for _ in range(2):  # the second time with the size of the low eigenvalues
-        kappa = _kappas_about(-shift, stiffness, mass, J, L, C)
-        low = np.sort(np.abs(kappa))[: min(_LOW, len(kappa))]
-        shift = _SHIFT * float(low.max())
-    near = _kappas_about(-shift, stiffness, mass, J, L, C)
+    low = 1e-6 * eigh(stiffness + stiffness.T, 2 * mass, eigvals_only=True).max()
+    for _ in range(3):  # from the second time on with the size of the low eigenvalues
+        shift = _SHIFT * float(low)
+        near = _kappas_about(-shift, stiffness, mass, J, L, C)
+        low = np.sort(np.abs(near))[:_LOW].max()
     if np.abs(np.diag(C)).min(initial=np.inf) == 0:
         return near
     far = eigvals(stiffness + (L.T @ np.linalg.solve(C, J) if len(J) else 0.0), mass)

@@ -1,8 +1,10 @@
 """Small scenes as plain data, which cases make extreme."""
 
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
 from typing import Any
+
+from scenes.spec.plain import changed as changed
+from scenes.spec.plain import plain_data, tables_of
 
 Scene = dict[str, Any]
 
@@ -10,7 +12,10 @@ STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
 LINING = {"E": 8e9, "nu": 0.3, "rho": 2500.0}
 WALLS = [{"surface": f"x_{end}", "components": ["x"]} for end in ("min", "max")]
 """Rollers at both ends."""
-ALONG_X_IN_SPACE = {"vector": [1.0, 0.0, 0.0]}
+ROLLER = {"surface": "y_max", "components": ["x"]}
+"""A roller that lets the upper face move along y."""
+FINE: Scene = {"upper_elements": (8, 3), "lower_elements": (7, 4)}
+"""Elements of finer layers."""
 ABOUT_Z = {"circumferential_about": [0.0, 0.0, 1.0]}
 
 
@@ -27,11 +32,9 @@ def body(
     **others: Any,
 ) -> Scene:
     """A body for both backends; for NURBS alone if it is made of patches or of degree above 4."""
-    dim = len(elements)
-    mesh: Scene = {"iga": {"degree": [degree] * dim, "elements": list(elements)}}
-    if geometry["shape"] != "patches" and degree <= 4:
-        cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
-        mesh["fe"] = {"cell": cell, "degree": degree, "elements": list(elements)}
+    mesh = meshes(elements, degree)
+    if geometry["shape"] == "patches" or degree > 4:
+        del mesh["fe"]
     return {
         "backend": "iga",
         "geometry": dict(geometry),
@@ -40,6 +43,23 @@ def body(
         "mesh": mesh,
         **others,
     }
+
+
+def meshes(elements: Sequence[int], degree: int) -> Scene:
+    """Meshes of both backends between the same breaks."""
+    cell = {2: "quadrilateral", 3: "hexahedron"}[len(elements)]
+    return {
+        "fe": {"cell": cell, "degree": degree, "elements": list(elements)},
+        "iga": {"degree": [degree] * len(elements), "elements": list(elements)},
+    }
+
+
+def coarse(name: str, degree: int, **elements: Sequence[int]) -> Scene:
+    """A scene of the catalogue on coarse meshes; the reference sets the end of its window."""
+    data = tables_of(name) | {"analysis": {"kind": "cea"}}
+    for body, counts in elements.items():
+        data["bodies"][body]["mesh"] = meshes(counts, degree)
+    return data
 
 
 def rectangle(size: Sequence[float], origin: Sequence[float] = (0.0, 0.0)) -> Scene:
@@ -81,7 +101,7 @@ def contact(a: str, b: str, **fields: Any) -> Scene:
         "formulation": {"method": "mortar"},
         "mu": 0.3,
         "friction_direction_on_a": {"vector": [1.0, 0.0]},
-        **({} if "P" in fields or "p" in fields else {"p": 1.0}),
+        **({} if {"P", "p", "c_n"} & fields.keys() else {"p": 1.0}),
         **fields,
     }
 
@@ -98,8 +118,17 @@ def scene(
     }
 
 
+def stacked(
+    upper: Mapping[str, Any], lower: Mapping[str, Any], kind: str = "cea", **fields: Any
+) -> Scene:
+    """A body that slides on another, in contact along x."""
+    sliding = contact("upper.y_min", "lower.y_max", **fields)
+    return scene({"upper": upper, "lower": lower}, {"kind": kind}, contact=sliding)
+
+
 def layers(
     *,
+    both: Mapping[str, Any] | None = None,
     upper: Mapping[str, Any] | None = None,
     lower: Mapping[str, Any] | None = None,
     upper_elements: Sequence[int] = (5, 2),
@@ -109,17 +138,16 @@ def layers(
 ) -> Scene:
     """Two layers between rollers, one sliding on the other: the problem `blocks`, coarse.
 
-    ``upper`` (and its height) and ``lower`` change fields of :func:`body`, ``fields`` the contact.
+    ``upper`` (and its height), ``lower`` and ``both`` change fields of :func:`body`, ``fields``
+    the contact.
     """
-    soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "held": "y_max", "supports": WALLS}
-    hard: Scene = {"supports": WALLS}
-    return scene(
-        {
-            "upper": body(rectangle((2.0, height)), upper_elements, **(soft | dict(upper or {}))),
-            "lower": base(lower_elements, **(hard | dict(lower or {}))),
-        },
-        interface=contact("upper.y_min", "lower.y_max", **fields),
-    )
+    same = {"supports": WALLS} | dict(both or {})
+    soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "held": "y_max"} | same | dict(upper or {})
+    bodies = {
+        "upper": body(rectangle((2.0, height)), upper_elements, **soft),
+        "lower": base(lower_elements, **same | dict(lower or {})),
+    }
+    return scene(bodies, interface=contact("upper.y_min", "lower.y_max", **fields))
 
 
 def pad(
@@ -127,18 +155,14 @@ def pad(
 ) -> Scene:
     """A pad, its left edge at x = ``at`` and held at its back, on a base from x = 0 to 2."""
     upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, held="y_max")
-    return scene(
-        {"pad": upper, "base": base()},
-        contact=contact("pad.y_min", "base.y_max", **fields),
-    )
+    sliding = contact("pad.y_min", "base.y_max", **fields)
+    return scene({"pad": upper, "base": base()}, contact=sliding)
 
 
 def on_base(geometry: Mapping[str, Any], *, held: bool = True) -> Scene:
     """A NURBS body with the faces foot and head, on a base."""
-    return scene(
-        {"pad": body(geometry, (3, 2), held="head" if held else ""), "base": base()},
-        contact=contact("pad.foot", "base.y_max"),
-    )
+    upper = body(geometry, (3, 2), held="head" if held else "")
+    return scene({"pad": upper, "base": base()}, contact=contact("pad.foot", "base.y_max"))
 
 
 def boxes(
@@ -158,7 +182,7 @@ def boxes(
         "upper": body(above, upper[1], E=E, held=top),
         "lower": body(below, lower[1], held=bottom),
     }
-    along = {"friction_direction_on_a": ALONG_X_IN_SPACE}
+    along = {"friction_direction_on_a": {"vector": [1.0, 0.0, 0.0]}}
     return scene(parts, contact=contact("upper.z_min", "lower.z_max", **(along | fields)))
 
 
@@ -177,45 +201,21 @@ def sprag(angle: float = 60.0, mu: float = 0.3, **fields: Any) -> Scene:
     """
     turned = {"angle": angle}
     slope = {"field": [f"-cos({angle}*pi/180)", f"-sin({angle}*pi/180)"]}
-    roller = [{"surface": "y_max", "components": ["x"]}]
-    block = body(rectangle((1.0, 0.5)), (3, 2), supports=roller, placement=turned)
+    block = body(rectangle((1.0, 0.5)), (3, 2), supports=[ROLLER], placement=turned)
     ground = body(rectangle((2.0, 1.0), (-0.5, -1.0)), (5, 2), held="y_min", placement=turned)
-    sliding = {"mu": mu, "friction_direction_on_a": slope, **fields}
-    return scene(
-        {"block": block, "base": ground}, contact=contact("block.y_min", "base.y_max", **sliding)
-    )
+    fields |= {"mu": mu, "friction_direction_on_a": slope}
+    sliding = contact("block.y_min", "base.y_max", **fields)
+    return scene({"block": block, "base": ground}, contact=sliding)
 
 
-def pressed_layers(pressure: float, *, degree: int = 2, **law: Any) -> Scene:
-    """Layers pressed by normal compliance between rollers: pressure and closure are uniform."""
-    meshes = {"degree": degree}
-    data = layers(p=1.0, mu=0.0, lower_elements=(5, 3), upper=meshes, lower=meshes)
-    del data["contacts"]["interface"]["p"]
-    data["contacts"]["interface"] |= law
-    data["bodies"]["upper"]["supports"] = [{"surface": "y_max", "components": ["x"]}, *WALLS]
-    return data | {"loads": [{"surface": "upper.y_max", "pressure": pressure}]}
-
-
-def uniform(data: Mapping[str, Any], p: float) -> Scene:
-    """Pressed layers with given p, without their load and contact law."""
-    known = changed(data, {"contacts.interface.p": p, "loads": []})
-    interface, back = known["contacts"]["interface"], known["bodies"]["upper"]["supports"][0]
-    for table in (interface, back, known["analysis"]):
-        for name in ("c_n", "m_n", "value", "load_steps", "geometric_stiffness"):
-            table.pop(name, None)
-    return known
-
-
-def changed(data: Mapping[str, Any], changes: Mapping[str, Any]) -> Scene:
-    """A scene with fields changed by their paths, as ``contacts.interface.mu``."""
-    copy = deepcopy(dict(data))
-    for path, value in changes.items():
-        *parents, last = path.split(".")
-        table = copy
-        for name in parents:
-            table = table.setdefault(name, {})
-        table[last] = value
-    return copy
+def pressed_layers(
+    pressure: float = 0.0, *, degree: int = 2, back: Mapping[str, Any] = ROLLER, **law: Any
+) -> Scene:
+    """Layers between rollers, pressed at their back: pressure and closure are uniform."""
+    upper = {"held": "", "supports": [back, *WALLS]}
+    data = layers(mu=0.0, lower_elements=(5, 3), both={"degree": degree}, upper=upper, **law)
+    loads = [{"surface": "upper.y_max", "pressure": pressure}]
+    return data | {"loads": loads if pressure else []}
 
 
 def up_to(frequency: float, data: Mapping[str, Any]) -> Scene:
@@ -225,7 +225,7 @@ def up_to(frequency: float, data: Mapping[str, Any]) -> Scene:
 
 def in_units(data: Mapping[str, Any], *, metre: float = 1.0, kilogram: float = 1.0) -> Scene:
     """A scene of rectangles with given p, in units of 1 / ``metre`` m and 1 / ``kilogram`` kg."""
-    copy = deepcopy(dict(data))
+    copy = plain_data(data)
     for each in copy["bodies"].values():
         geometry = each["geometry"]
         for name in ("size", "origin"):
@@ -239,7 +239,7 @@ def in_units(data: Mapping[str, Any], *, metre: float = 1.0, kilogram: float = 1
 
 def moved(data: Mapping[str, Any], shift: Sequence[float]) -> Scene:
     """A scene of rectangles with its origin elsewhere (m)."""
-    copy = deepcopy(dict(data))
+    copy = plain_data(data)
     for each in copy["bodies"].values():
         origin = each["geometry"]["origin"]
         each["geometry"]["origin"] = [o + s for o, s in zip(origin, shift, strict=True)]

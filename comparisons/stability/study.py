@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from inspect import getdoc, getmembers, isfunction
-from math import log10
 from typing import Annotated, Any, get_args
 
 import pandas as pd
@@ -14,22 +13,20 @@ from cea.errors import require
 from comparisons.stability import (
     cases_bodies,
     cases_contact,
-    cases_files,
     cases_friction,
+    cases_matrices,
     cases_motion,
 )
 from comparisons.stability.case import Run, Runs, Verdict
 from comparisons.stability.verdicts import judged
-from comparisons.stability.ways import QUICK
-from comparisons.study.columns import Column
-from comparisons.study.numbers import decimals, number, shown
+from comparisons.study.numbers import number
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
 
 VERDICTS: tuple[str, ...] = get_args(Verdict)  # every verdict, the best first
-_MODULES = (cases_bodies, cases_contact, cases_files, cases_friction, cases_motion)
+_MODULES = (cases_bodies, cases_contact, cases_friction, cases_matrices, cases_motion)
 
 
 @cache
@@ -57,20 +54,12 @@ def runs_of(name: str) -> tuple[Run, ...]:
 
 
 def numbers_of(name: str, *, quick: bool) -> list[int]:
-    """Numbers of the runs of a case, from 0; a quick study takes a few of each row.
-
-    These are the ways of :data:`QUICK`, on alternating backends, or else the first run.
-    """
-    runs = runs_of(name)
-    if not quick:
-        return list(range(len(runs)))
-    numbers = []
-    for r, row in enumerate(dict.fromkeys(run.row for run in runs)):
-        own = [i for i, run in enumerate(runs) if run.row == row]
-        turn = {name: ("fe", "iga")[(r + k) % 2] for k, name in enumerate(QUICK)}
-        picked = [i for i in own if turn.get(runs[i].way.name) == runs[i].way.backend]
-        numbers += picked or own[:1]
-    return numbers
+    """Numbers of the runs of a case, from 0; a quick study takes the first and last of each row."""
+    rows: dict[str, list[int]] = {}
+    for i, run in enumerate(runs_of(name)):
+        rows.setdefault(run.row, []).append(i)
+    taken = [(own[0], own[-1]) if quick else own for own in rows.values()]
+    return sorted({i for own in taken for i in own})
 
 
 @dataclass(frozen=True)
@@ -93,21 +82,13 @@ def cases(options: Options) -> Iterator[Case]:
 def evaluate(case: Case, session: Session) -> dict[str, Any]:
     """Verdict on a run, and the numbers on which it is based."""
     run = runs_of(case["case"])[case["run"]]
-    found = judged(run)
     return {
         "title": title_of(case["case"]),
-        **found,
-        "says": ", ".join(found["says"]),
+        **judged(run),
         "expected": ", ".join(run.expected),
         "reference": run.reference.name if run.reference is not None else None,
         "tolerance": run.tolerance if run.reference is not None else None,
-        "digits": digits(found["error"]),
     }
-
-
-def digits(error: float | None) -> float | None:
-    """Correct digits of the worst mode of a run, 16 at most; 0 if one is missing."""
-    return None if error is None else max(0.0, -log10(max(error, 1e-16)))
 
 
 def runs(result: StudyResult) -> pd.DataFrame:
@@ -126,25 +107,22 @@ def not_met(result: StudyResult) -> pd.DataFrame:
 
 
 def by_case(result: StudyResult) -> pd.DataFrame:
-    """Number of runs by verdict for each case, and its worst digits, residual and time."""
+    """Number of runs by verdict for each case, and its worst error, residual and time."""
     frame = runs(result)
     gave = {verdict: frame["verdict"] == verdict for verdict in VERDICTS}
-    accurate = frame["digits"].where(gave["accurate"])
-    frame = frame.assign(**gave, runs=1, not_met=~frame["met"].astype(bool), digits=accurate)
-    how = dict.fromkeys(["runs", *VERDICTS, "not_met"], "sum") | {"digits": "min"}
-    how |= dict.fromkeys(["residual", "condition", "seconds"], "max")
+    accurate = frame["error"].where(gave["accurate"])
+    frame = frame.assign(**gave, runs=1, not_met=~frame["met"].astype(bool), error=accurate)
+    how = dict.fromkeys(["runs", *VERDICTS, "not_met"], "sum")
+    how |= dict.fromkeys(["error", "residual", "condition", "seconds"], "max")
     return frame.groupby(["title", "case"], sort=False, as_index=False).agg(how)
 
 
 def headline(result: StudyResult) -> str:
     """Number of runs by verdict."""
     frame = runs(result)
-    counts = frame["verdict"].value_counts()
-    told = ", ".join(f"{number(int(counts.get(kind, 0)))} {kind}" for kind in VERDICTS)
-    return (
-        f"{number(len(frame))} runs of {frame['case'].nunique()} cases: {told}; "
-        f"{number(len(not_met(result)))} not as expected."
-    )
+    told = ", ".join(f"{number(int((frame['verdict'] == kind).sum()))} {kind}" for kind in VERDICTS)
+    runs_of_cases = f"{number(len(frame))} runs of {frame['case'].nunique()} cases"
+    return f"{runs_of_cases}: {told}; {number(len(not_met(result)))} not as expected."
 
 
 def fault(result: StudyResult) -> str:
@@ -153,17 +131,6 @@ def fault(result: StudyResult) -> str:
     return f"runs with unexpected verdicts or warnings: {', '.join(names)}" if names else ""
 
 
-COLUMNS = {
-    "row": Column("run"),
-    "not_met": Column("not as expected", show=number),
-    "met": Column("as expected"),
-    "digits": Column("digits", show=decimals(1)),
-    "tolerance": Column("tolerance", show=shown(1)),
-    "seconds": Column("longest", "s", decimals(2)),
-    "says": Column("it says"),
-    "reason": Column("why"),
-}
-_OF_A_RUN = COLUMNS | {"seconds": Column("time", "s", shown(3))}
 STUDY = Study(
     name="stability",
     title="Stiff and extreme scenes against references",
@@ -180,12 +147,10 @@ STUDY = Study(
             "The catalogue states the allowed verdicts in advance.",
             headline,
             [
-                Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS),
-                Table(
-                    "not_met", "Runs not as the catalogue expects.", not_met, COLUMNS, printed=True
-                ),
+                Table("cases", "Verdicts on the runs of each case.", by_case),
+                Table("not_met", "Runs not as expected.", not_met, printed=True),
             ],
         ),
-        Section("Every run", tables=[Table("runs", "Every run.", runs, _OF_A_RUN)]),
+        Section("Every run", tables=[Table("runs", "Every run.", runs)]),
     ],
 )

@@ -49,7 +49,7 @@ def judged(run: Run) -> dict[str, Any]:
             with suppress(InputError, SceneError):  # what cannot be assembled can only be refused
                 true = run.reference.values()
         begun = perf_counter()
-        answer = run.problem.solve(None if true is None else window_end(true, run.lowest))
+        answer = run.problem(None if true is None else window_end(true, run.lowest))
         if true is None:
             told = _wrong("answered what has no answer")
         else:
@@ -66,7 +66,7 @@ def judged(run: Run) -> dict[str, Any]:
         **{name: getattr(found, name, None) for name in ("error", "missing", "spurious")},
         **{name: getattr(answer, name, None) for name in ("residual", "condition", "dofs")},
         "modes": len(answer.eigenvalues) if isinstance(answer, Answer) else None,
-        "says": [] if answer is None else list(answer.says),
+        "says": "" if answer is None else ", ".join(answer.says),
         "seconds": perf_counter() - begun,
     }
 
@@ -90,19 +90,13 @@ def _answered(run: Run, answer: Answer | StressAnswer, found: Comparison) -> dic
     if found.false_claim:
         return _wrong(found.false_claim)
     said = [kind for kind in answer.says if kind not in run.warnings]
-    says = f"it says: {', '.join(answer.says)}" if answer.says else ""
+    reason = f"error {found.error:.1e}; it says: {', '.join(answer.says) or 'nothing'}"
     if found.error <= run.tolerance and not _OPEN & set(said):
         met = "accurate" in run.expected and ("warned" in run.expected or not said)
-        return {"verdict": "accurate", "reason": says, "met": met}
-    what = f"error {found.error:.1e}"
-    if found.missing or found.spurious:
-        what = f"{found.missing} modes missing, {found.spurious} spurious"
-    if found.admitted and found.error > run.tolerance:
-        what = f"{what}, within its uncertainties"
+        return {"verdict": "accurate", "reason": reason, "met": met}
     if said or found.admitted:
-        reason = "; ".join(part for part in (what, says) if part)
         return {"verdict": "warned", "reason": reason, "met": "warned" in run.expected}
-    return _wrong(f"{what}, without a warning")
+    return _wrong(reason)
 
 
 def compared(answer: Answer | StressAnswer, true: Complexes, tolerance: float) -> Comparison:

@@ -1,4 +1,4 @@
-"""Commands on matrices from files: one run, a sweep, a race with scipy."""
+"""Commands on matrices from files: one run and a sweep."""
 
 import json
 from pathlib import Path
@@ -12,13 +12,11 @@ from scipy.io import mmwrite
 from scipy.sparse import csr_array
 from sweep_cases import eigenvalues, sweep_of
 
-from cea.errors import InputError
-from comparisons.bench import matrices
-from comparisons.study.run import run
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.page import read_sweep
 from comparisons.sweep.spectra import UNSTABLE
-from scenes.spec.matrices import read_matrix_scene
+from scenes import SceneError
+from scenes.spec.matrices import load_matrices, read_matrix_scene
 from scenes.spec.plain import scene_text
 
 STORED = Path(sweep_page.__file__).with_name("results")
@@ -32,16 +30,6 @@ PUBLISHED = """
 def _read_here(monkeypatch):
     """Files are read in this process, but by processes that a test starts."""
     monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Files of matrices, and a scene of them that lies elsewhere."""
-    folder = write(tmp_path_factory.mktemp("matrices"), pieces())
-    (folder / "elsewhere").mkdir()
-    text = scene_text(read_matrix_scene(scene()))
-    (folder / "elsewhere" / "speed.toml").write_text(text)
-    return folder
 
 
 def write_here(**files):
@@ -97,28 +85,20 @@ def test_faults_are_told_in_a_line(line, field, told, cea, tmp_path):
     assert not (tmp_path / "out" / "result.json").exists()
 
 
-def test_a_sweep_finds_at_each_value_what_lapack_finds(folder):
-    toml, axis = folder / "elsewhere" / "speed.toml", "parameters.v=1:3:5"
-    swept = sweep_of(toml, [axis], folder, data=str(folder), full=True)
+def test_a_scene_of_bodies_is_none_of_matrices():
+    with pytest.raises(SceneError, match="a scene of matrices"):
+        load_matrices("blocks")
+
+
+def test_a_sweep_finds_at_each_value_what_lapack_finds(tmp_path):
+    """The scene lies elsewhere than its files."""
+    folder, toml = write(tmp_path, pieces()), tmp_path / "elsewhere" / "speed.toml"
+    toml.parent.mkdir()
+    toml.write_text(scene_text(read_matrix_scene(scene())))
+    swept = sweep_of(toml, ["parameters.v=1:3:5"], folder, data=str(folder), full=True)
     for i, speed in enumerate([1.0, 1.5, 2.0, 2.5, 3.0]):
         np.testing.assert_allclose(eigenvalues(swept, i), inside(dense(pieces(), speed)), rtol=1e-9)
     assert swept.record["failed"] == []
-
-
-def test_a_race_is_one_of_the_same_eigenvalues(folder):
-    toml = str(folder / "elsewhere" / "speed.toml")
-    options = matrices.Options(toml, data=str(folder), repeats=1)
-    result = run(matrices.STUDY, options, folder / "out")
-    assert result.failed().empty
-    found = matrices.seconds(result)
-    assert found["found"].tolist() == found["modes"].tolist() == 2 * [len(inside(dense(pieces())))]
-    assert (found["processor"] > 0).all()
-    undamped = scene() | {"damping": {}}
-    for name in "DG":
-        undamped["files"].pop(name)
-    (folder / "undamped.toml").write_text(scene_text(read_matrix_scene(undamped)))
-    with pytest.raises(InputError, match="damping"):
-        matrices.loaded(matrices.Options(str(folder / "undamped.toml"), data=str(folder)))
 
 
 def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():

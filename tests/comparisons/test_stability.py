@@ -1,54 +1,43 @@
-"""The catalogue of stability: what runs expect, its references, its report; loads are borne."""
+"""The catalogue of stability: what runs expect, its references, its report."""
 
 import json
-from copy import deepcopy
 from dataclasses import replace
 from html import unescape
 
 import numpy as np
 import pytest
 
-from cea.errors import ConvergenceError, InputError
-from cea.matrices import destroy
+from cea.errors import InputError
 from comparisons.stability import study
 from comparisons.stability.dense import dense_eigenvalues, dense_kappas, lambdas
-from comparisons.stability.scenes import in_units, layers, moved, sprag
+from comparisons.stability.scenes import layers, sprag
 from comparisons.stability.verdicts import judged, window_end
 from comparisons.stability.ways import ALONE, OPEN, WAYS, chosen
 from comparisons.study.page import write_study
 from comparisons.study.result import StudyResult
 from comparisons.study.run import run
-from scenes import read_scene, run_modes, run_static
-from scenes.running.system import coupled
+from scenes import read_scene, run_modes
 
 EVERY_WAY = (*WAYS, *OPEN, *ALONE)
 
 
-@pytest.mark.parametrize("name", study.catalogue())
-def test_every_run_says_what_it_expects(name):
-    found = study.runs_of(name)
-    assert study.title_of(name)
-    for each in found:
+def test_every_run_says_what_it_expects_and_every_way_is_taken():
+    found = {name: study.runs_of(name) for name in study.catalogue()}
+    for name, runs in found.items():
+        assert study.title_of(name)
+        assert len({(run.row, run.way.backend, run.way.name) for run in runs}) == len(runs) > 0
+    every = [each for runs in found.values() for each in runs]
+    assert len(every) >= 3750
+    for each in every:
         assert each.expected
         assert "WRONG" not in each.expected
         assert (each.reference is None) == (each.expected == ("refused",))
         assert 0 < each.tolerance < 0.1
-        assert each.way in EVERY_WAY
-    assert len({(run.row, run.way.backend, run.way.name) for run in found}) == len(found)
-    assert 0 < len(study.numbers_of(name, quick=True)) <= len(found)
-
-
-def test_the_catalogue_covers_every_way_and_quick_takes_both_backends_in_turn():
-    every = [run for name in study.catalogue() for run in study.runs_of(name)]
-    assert len(every) >= 3750
-    assert [way for way in EVERY_WAY if way not in [run.way for run in every]] == []
-    quick = sum(len(study.numbers_of(name, quick=True)) for name in study.catalogue())
-    assert quick < len(every) / 4
-    assert not any(run.warnings for run in study.runs_of("everyday"))
-    units = study.runs_of("units")
-    taken = [units[i].way for i in study.numbers_of("units", quick=True)[:4]]
-    assert [way.backend for way in taken] == ["fe", "iga", "fe", "iga"]
-    assert [way.name.split(",")[0] for way in taken] == ["GPTS", "mortar", "mortar", "GPTS"]
+    for way in EVERY_WAY:
+        assert any(each.way == way for each in every)
+    assert not any(run.warnings for run in found["everyday"])
+    quick = sum(len(study.numbers_of(name, quick=True)) for name in found)
+    assert len(found) < quick < len(every) / 4
     with pytest.raises(InputError, match="no_such_case"):
         study.runs_of("no_such_case")
 
@@ -77,25 +66,19 @@ def test_dense_kappas_are_those_of_given_matrices_from_the_lowest_to_the_farthes
     assert kappa == pytest.approx(true, rel=1e-7)
 
 
-@pytest.mark.parametrize("way", WAYS, ids=lambda way: f"{way.backend} {way.name}")
+@pytest.mark.parametrize("way", WAYS[::2], ids=lambda way: f"{way.backend} {way.name}")
 def test_dense_eigenvalues_are_those_of_the_scene(way):
+    """Of every second way: every formulation, on both backends, in both forms."""
     data = way.of(layers(p=10.0)) | {"analysis": {"kind": "cea", "max_frequency": 0.4}}
     found = run_modes(read_scene(data)).modes.eigenvalues
     true = dense_eigenvalues(data)
     assert np.abs(found - true[: len(found)]).max() < 1e-9 * np.abs(true[len(found)])
 
 
-@pytest.mark.parametrize("way", chosen(WAYS, "GPTS, saddle", "mortar, saddle"))
+@pytest.mark.parametrize("way", chosen(WAYS, "mortar, saddle"), ids=("fe", "iga"))
 def test_a_tie_is_the_limit_of_stiff_contact(way):
     stiff, tied = (dense_eigenvalues(way.of(layers(P=P)))[:8] for P in (1e11, np.inf))
     assert np.abs(stiff - tied).max() < 1e-8
-
-
-def test_other_units_and_places_have_the_same_eigenvalues():
-    scene = WAYS[0].of(layers())
-    true = dense_eigenvalues(scene)[:8]
-    for other in (in_units(scene, metre=1e3, kilogram=1e-3), moved(scene, (10.0, -3.0))):
-        assert np.abs(dense_eigenvalues(other)[:8] - true).max() < 1e-9
 
 
 def test_a_sprag_diverges_above_the_cotangent_of_its_angle(backend):
@@ -109,9 +92,8 @@ def test_a_sprag_diverges_above_the_cotangent_of_its_angle(backend):
 
 def test_an_easy_scene_comes_out_accurate():
     found = judged(study.runs_of("everyday")[0])
-    assert (found["verdict"], found["met"], found["says"]) == ("accurate", True, [])
+    assert (found["verdict"], found["met"], found["says"]) == ("accurate", True, "")
     assert found["error"] < 1e-10
-    assert [study.digits(e) for e in (0.0, 1e-5, float("inf"), None)] == [16, 5, 0, None]
 
 
 def test_rigid_bodies_meet_at_a_corner_as_the_closed_form_says(backend):
@@ -122,23 +104,21 @@ def test_rigid_bodies_meet_at_a_corner_as_the_closed_form_says(backend):
     assert [run.way.name for run in runs if not judged(run)["met"]] == []
 
 
-@pytest.mark.parametrize("name", ["damped_maps", "graded", "maps", "mesh_files", "patch_test"])
+@pytest.mark.parametrize("name", ["damped_maps", "graded", "mesh_files", "patch_test"])
 def test_a_stiff_run_of_each_kind_of_problem_comes_out_as_expected(name):
     found = judged(study.runs_of(name)[-1])
     assert found["met"], found["reason"]
 
 
-def quick_study(out, *cases, count=None):
-    """A quick study of some cases, or of the first of its runs."""
-    chosen = replace(study.STUDY, cases=lambda o: list(study.STUDY.cases(o))[:count])
-    return run(chosen, study.Options(cases, every=False), out)
+def quick_study(out, *cases, **fields):
+    """A quick study of some cases."""
+    return run(replace(study.STUDY, **fields), study.Options(cases, every=False), out)
 
 
-@pytest.mark.parametrize("count", [4, pytest.param(None, marks=pytest.mark.slow)])
-def test_runs_without_an_answer_or_not_as_expected_are_told(count, tmp_path):
-    result = quick_study(tmp_path / "out", "exceptional_point", count=count)
+def test_runs_without_an_answer_or_not_as_expected_are_told(tmp_path):
+    result = quick_study(tmp_path / "out", "aspect", process=None)
     page = write_study(study.STUDY, result, tmp_path).read_text(encoding="utf-8")
-    assert study.title_of("exceptional_point") in unescape(page)
+    assert study.title_of("aspect") in unescape(page)
     assert set(study.runs(result)["verdict"]) <= {"accurate", "warned"}
     assert study.fault(result) == ""
     record = json.loads(json.dumps(result.record))
@@ -147,7 +127,7 @@ def test_runs_without_an_answer_or_not_as_expected_are_told(count, tmp_path):
     second |= {"tables": {}, "failed": "ended with code 5"}
     told = StudyResult(record)
     assert list(study.not_met(told)["reason"]) == ["planted", "ended with code 5"]
-    assert "exceptional_point" in study.fault(told)
+    assert "aspect" in study.fault(told)
     assert study.by_case(told)["WRONG"].sum() == 2
 
 
@@ -156,52 +136,3 @@ def test_a_representative_part_comes_out_as_expected(tmp_path):
     found = study.runs(quick_study(tmp_path / "out", "inverted", "units", "overhang"))
     assert list(found.loc[~found["met"].astype(bool), "reason"]) == []
     assert set(found["verdict"]) == {"accurate", "refused"}
-
-
-def outside(scene):
-    """Forces on all bodies from outside (N), and what rounding makes of their sum.
-
-    Loads and supports; contacts are between bodies, and in no sum.
-    """
-    if scene.analysis.kind == "static":
-        result = run_static(scene)
-        system, x, reactions = result.system, result.displacement, result.reactions
-    else:
-        system = coupled(scene)[0]
-        x, reactions = system.steady.displacement, system.steady.reactions
-    forces, rounding, eps = [], 0.0, np.finfo(float).eps
-    for name, body in system.bodies.items():
-        load, stiffness = body.full_load(), body.full_stiffness()
-        u = system.displacement(x, name)
-        forces.append(body.comm.allreduce(load.reshape(-1, body.dim).sum(axis=0)))
-        forces += list(reactions.get(name, ()))
-        rounding += eps * stiffness.norm() * np.linalg.norm(u) * np.sqrt(len(u))
-        destroy(stiffness)
-    for contact in system.contacts:
-        if contact.lumped is None and np.isfinite(contact.P) and not contact.has_multipliers:
-            u = max(np.abs(system.displacement(x, name)).max() for name in system.bodies)
-            rounding += eps * contact.P * u  # of a penalty
-    return np.array(forces), rounding
-
-
-LOADED = ("load_steps", "patch_test", "prescribed", "prestress", "steady_sliding", "unsupported")
-
-
-@pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", LOADED)
-def test_what_is_outside_holds_the_bodies(name, quick):
-    for number in study.numbers_of(name, quick=quick):
-        each = study.runs_of(name)[number]
-        data = deepcopy(dict(each.problem.data))
-        if data["analysis"]["kind"] == "cea":
-            data["analysis"].setdefault("max_frequency", 1.0)
-        try:
-            forces, rounding = outside(read_scene(data))
-        except ConvergenceError as error:
-            forces, rounding, refusal = np.zeros((1, 2)), 0.0, str(error)
-        else:
-            refusal = ""
-        assert not refusal or "refused" in each.expected, each.row
-        assert "add up to zero" not in refusal, each.row
-        largest = np.linalg.norm(forces, axis=1).max()
-        assert np.linalg.norm(forces.sum(axis=0)) <= 1e-11 * largest + rounding, each.row

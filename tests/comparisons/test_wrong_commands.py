@@ -57,10 +57,6 @@ def test_a_wrong_file_names_what_is_wrong(text, field, word, cea, tmp_path):
         ("run blocks --out ''", "out"),
         ("run blocks --out=", "out"),
         ("run ''", "argument"),
-        ("run blocks --set ''", "set"),
-        ("sweep blocks mu=0:1:3 --data ''", "data"),
-        ("scene check blocks --out ''", "out"),
-        ("exact drum --json ''", "json"),
     ],
 )
 def test_empty_arguments_are_refused(line, field, cea, tmp_path):
@@ -73,7 +69,6 @@ def test_empty_arguments_are_refused(line, field, cea, tmp_path):
     ("line", "module", "extra"),
     [
         ("exact drum --m 2", "flint", "exact"),
-        ("study agreement --out .", "pyvista", "pictures"),
         ("paper 3 --out .", "matplotlib", "pictures"),
         ("study accuracy --out .", "flint", "exact"),
         ("run disc --set output.pictures=1 --out .", "pyvista", "pictures"),
@@ -91,21 +86,11 @@ def test_a_missing_extra_is_told_in_one_line(line, module, extra, monkeypatch, c
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.fixture
-def scene_file(tmp_path):
-    """Writes a small scene of the name "same" to a file of its own."""
-
-    def write(file):
-        data = two_blocks("iga", {"method": "gpts", "points": 3}, held=True) | {"name": "same"}
+def test_results_of_another_scene_or_command_stay(cea, tmp_path):
+    data = two_blocks("iga", {"method": "gpts", "points": 3}, held=True) | {"name": "same"}
+    one, other, out = "one.toml", "other.toml", tmp_path / "results" / "same"
+    for file in (one, other):
         (tmp_path / file).write_text(scene_text(read_scene(data)))
-        return file
-
-    return write
-
-
-def test_results_of_another_scene_or_command_stay(cea, scene_file, tmp_path):
-    one, other = scene_file("one.toml"), scene_file("other.toml")
-    out = tmp_path / "results" / "same"
 
     def stored():
         return json.loads((out / "result.json").read_text())["inputs"]["scene"]
@@ -180,10 +165,7 @@ def test_a_full_standard_output_ends_in_a_line():
     assert done.stderr == "error: output cannot be written: No space left on device\n"
 
 
-@pytest.mark.parametrize(
-    "axis",
-    ["mu=1e-320:1e308:log:5", "mu=0:1e308:3", "mu=-1e308:0:3", "P=1e-31:1.0:log:3", "mu=0:nan:3"],
-)
+@pytest.mark.parametrize("axis", ["mu=0:1e308:3", "P=1e-31:1.0:log:3", "mu=0:nan:3"])
 def test_ends_of_axes_are_numbers_that_fields_may_have(axis):
     with pytest.raises(InputError, match=r"1e[+-]30"):
         read_axis(axis)

@@ -6,7 +6,7 @@ import pytest
 from bodies import lagrange_body
 from decks import ELEMENTS, P2, alone, body, in_contact, with_calculix
 
-from comparisons.bench import ccx
+from comparisons.bench import calculix
 from scenes import read_scene, run_modes
 from scenes.building.build import body_mesh
 from scenes.export.decks.write import write_deck
@@ -98,7 +98,7 @@ def test_calculix_finds_the_same_frequencies(name, changes, rel, tmp_path):
     with_calculix()
     scene = alone(*ELEMENTS[name]).change({f"bodies.part.{k}": v for k, v in changes.items()})
     # The last of its list have not always converged, and one may be missing.
-    found = ccx.run(write_deck(scene, tmp_path, 16)[1]).imag[:8]
+    found = calculix.run(write_deck(scene, tmp_path, 16)[1]).imag[:8]
     values = ours(scene, MASS[name], 1.01 * found[-1] / (2 * np.pi)).imag
     assert found == pytest.approx(np.sort(values)[:8], rel=rel)
 
@@ -108,7 +108,7 @@ def test_calculix_finds_the_same_flutter(tmp_path):
     with_calculix()
     scene = in_contact()
     deck = write_deck(scene, tmp_path, 20)[1]
-    found = ccx.run(deck)
+    found = calculix.run(deck)
     values = ours(scene, 2, 1.01 * found.imag[-1] / (2 * np.pi))
     (theirs,) = found[found.real > 1]
     (own,) = values[values.real > 1]
