@@ -19,10 +19,9 @@ from cea.motion import Rotation
 from iga_cea.patch import refine
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.shapes import Annulus, Box, Disc, RingSector, Sector
+from meshes.shapes import Box, Disc, RingSector, Sector
 
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
-ANNULUS = Annulus(0.8, 1.7, -0.1, 0.2)
 RING_SECTOR = RingSector(0.8, 1.7, 20.0, 85.0)
 DEGREES = (2, 3, 4, 5, 6, 8)
 

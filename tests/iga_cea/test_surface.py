@@ -16,7 +16,6 @@ START, END = 20.0, 110.0
 ANNULUS = Annulus(INNER, OUTER, BOTTOM, TOP)
 SECTOR = Sector(INNER, OUTER, START, END, BOTTOM, TOP)
 BOX = Box((2.0, 1.0, 0.5), (0.1, 0.2, 0.3))
-SLOW = pytest.mark.slow
 
 
 def body(shape, elements=(2, 8, 2), degree=(2, 3, 2), placement=TILTED):

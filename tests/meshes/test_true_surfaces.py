@@ -45,7 +45,7 @@ SHAPES = [
     (SECTOR, (2, 3, 1)),
     (Disc(0.1, 0.0, 0.02), (3, 12, 1)),
     (Hub(0.02, 0.04, 0.1, 0.0, 0.01, -0.01, 0.03), (3, 12, 4)),
-    (VentilatedDisc(), None),
+    pytest.param(VentilatedDisc(), None, marks=pytest.mark.slow),
     *CROWNED.values(),
     (Crowned(BOX, "x_min", {"y": 1.0}), (1, 3, 3)),
 ]
@@ -56,7 +56,7 @@ PLANE = Placement((0.0, 0.0, 1.0), 50.0, (0.3, 0.1, 0.0))
 def straight_mesh(shape, elements, placement):
     """Mesh of straight facets: all its nodes are nodes of the shape."""
     if elements is None:
-        return shape_mesh(shape, "tetrahedron", 1, size=0.04, placement=placement)
+        return shape_mesh(shape, "tetrahedron", 1, size=0.02, placement=placement)
     cell = "quadrilateral" if len(shape.directions) == 2 else "hexahedron"
     return shape_mesh(shape, cell, 1, breaks=breaks_of(shape, elements), placement=placement)
 
