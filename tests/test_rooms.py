@@ -85,17 +85,16 @@ NAMES = {module: imported_names(module) for module in MODULES}
 WITHIN = {module: own_modules(NAMES[module]) - {module} for module in MODULES}
 
 
-def folder_of(module):
-    """The folder of a module; a package's ``__init__`` belongs to its folder."""
-    return module if MODULES[module].name == "__init__.py" else module.rpartition(".")[0]
-
-
 def between_folders():
-    """For each folder, the other folders that files in it import from."""
-    folders = {folder_of(module): set() for module in MODULES}
+    """The other folders that files of each folder import from; an ``__init__`` is its folder."""
+    folder = {
+        module: module if MODULES[module].name == "__init__.py" else module.rpartition(".")[0]
+        for module in MODULES
+    }
+    folders = {each: set() for each in folder.values()}
     for module, imported in WITHIN.items():
-        folders[folder_of(module)] |= {folder_of(name) for name in imported}
-    return {folder: others - {folder} for folder, others in folders.items()}
+        folders[folder[module]] |= {folder[name] for name in imported} - {folder[module]}
+    return folders
 
 
 def lies_in(module, places):
@@ -113,52 +112,36 @@ def beyond(home, allowed):
     return {module: others for module, others in wrong.items() if others}
 
 
-def test_imports_are_read():
-    assert set(APPLICATIONS) >= {"stability", "accuracy", "paper"}
-    assert WITHIN["cea.files"] == {"cea.errors"}
-    assert sum(map(len, WITHIN.values())) > 500
-
-
 @pytest.mark.parametrize("graph", [WITHIN, between_folders()], ids=["files", "folders"])
 def test_no_circle_between_files_or_folders(graph):
+    """The root of cea imports none of its folders."""
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
         pytest.fail(" -> ".join(error.args[1]))
-
-
-def test_root_of_cea_imports_none_of_its_folders():
+    assert sum(map(len, WITHIN.values())) > 500
     assert between_folders()["cea"] == set()
 
 
-@pytest.mark.parametrize("package", ARROWS)
-def test_arrows_between_packages(package):
-    assert beyond(package, ARROWS[package]) == {}
+def test_arrows_between_packages_and_none_between_applications():
+    allowed = dict(ARROWS)
+    for room in (*APPLICATIONS, "study"):
+        allowed[f"comparisons.{room}"] = ["comparisons.study", *(set(ARROWS) - {"comparisons"})]
+    for place, others in allowed.items():
+        assert beyond(place, others) == {}
 
 
-@pytest.mark.parametrize("room", [*APPLICATIONS, "study"])
-def test_no_application_is_imported_by_another_or_by_the_engine(room):
-    allowed = ["comparisons.study", *(set(ARROWS) - {"comparisons"})]
-    assert beyond(f"comparisons.{room}", allowed) == {}
+def test_the_command_line_and_programs_beside_this_one_are_imported_by_none():
+    for hidden, home in (("comparisons.cli", "comparisons.cli"), (BESIDE_US, "comparisons.bench")):
+        importers = {m for m, others in WITHIN.items() if any(lies_in(o, [hidden]) for o in others)}
+        assert {module for module in importers if not lies_in(module, [home])} == set()
 
 
-@pytest.mark.parametrize(
-    ("hidden", "home"), [("comparisons.cli", "comparisons.cli"), (BESIDE_US, "comparisons.bench")]
-)
-def test_the_command_line_and_programs_beside_this_one_are_imported_by_none(hidden, home):
-    importers = {m for m, others in WITHIN.items() if any(lies_in(o, [hidden]) for o in others)}
-    assert {module for module in importers if not lies_in(module, [home])} == set()
-
-
-@pytest.mark.parametrize("names", LIBRARIES)
-def test_libraries_stay_in_their_rooms(names):
-    libraries, places = set(names.split()), LIBRARIES[names]
-    found = {
-        module
-        for module, imported in NAMES.items()
-        if libraries & {name.partition(".")[0] for name in imported}
-    }
-    assert {module for module in found if not lies_in(module, places)} == set()
+def test_libraries_stay_in_their_rooms():
+    for names, places in LIBRARIES.items():
+        for module, imported in NAMES.items():
+            found = set(names.split()) & {name.partition(".")[0] for name in imported}
+            assert not found or lies_in(module, places), module
 
 
 def test_pyvista_is_brought_in_where_pictures_are_drawn():

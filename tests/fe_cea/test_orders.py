@@ -1,17 +1,12 @@
 """Lagrange bodies of every cell, degree 1 to 4, in space and in the plane, on curved meshes."""
 
 from dataclasses import replace
-from itertools import permutations, product
-from math import comb
+from itertools import product
 
-import basix.ufl
-import dolfinx
 import numpy as np
 import pytest
-from bodies import dolfinx_body, lagrange_body, shape_body
-from covering import covering
+from bodies import lagrange_body, shape_body
 from lagrange_bodies import DIMENSION, FLAT, MATERIAL, ROUND, body_of
-from mpi4py import MPI
 from scipy.sparse.linalg import spsolve
 
 from cea.location import Chart
@@ -60,25 +55,6 @@ def test_polynomials_of_the_degree_are_exact(cell, degree):
         np.testing.assert_allclose(found, expected, atol=1e-11)
 
 
-@pytest.mark.parametrize(("dim", "degree"), covering((2, 3), (4, 3), strength=1))
-def test_cells_that_number_a_shared_facet_differently_agree_on_it(dim, degree):
-    """Two simplices on one facet, the second with its vertices in every order."""
-    corners = np.vstack([np.zeros(dim), np.eye(dim), np.full(dim, 0.9)])
-    element = basix.ufl.element("Lagrange", {2: "triangle", 3: "tetrahedron"}[dim], 1, shape=(dim,))
-    for second in permutations(range(1, dim + 2)):
-        cells = np.array([list(range(dim + 1)), list(second)])
-        mesh = dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells, element, corners)
-        mesh.topology.create_connectivity(dim - 1, dim)
-        facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
-        tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, np.ones(len(facets), dtype=np.int32))
-        body = dolfinx_body("pair", mesh, tags, {"all": 1}, degree=degree, material=MATERIAL)
-        shared, one = comb(degree + dim - 1, degree), comb(degree + dim, degree)
-        assert body.num_scalar_dofs == 2 * one - shared
-        points = body.surfaces["all"].gauss_points(degree)
-        traced = body.surfaces["all"].trace(points.at) @ interpolate(body, degree)
-        np.testing.assert_allclose(traced, value(points.x, degree), atol=1e-12)
-
-
 class EveryPair:
     """Chart that tries every facet for every point."""
 
@@ -118,21 +94,6 @@ def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
         np.testing.assert_allclose(found.distance[part][hit], slow.distance[hit], atol=1e-8)
 
 
-@pytest.mark.parametrize("degree", [1, 2])
-@pytest.mark.parametrize(("cell", "mesh"), [("tetrahedron", 0.4), ("hexahedron", (3, 16, 2))])
-@pytest.mark.parametrize("name", ["z_max", "top"])
-def test_grid_has_shared_points_once(name, cell, mesh, degree):
-    surface = shape_body((ROUND if name == "top" else FLAT)[3], cell, degree, mesh).surfaces[name]
-    corners, facets = len(surface.grid(2)), surface.num_elements
-    # Euler: V - E + F is 0 for a ring, 1 for a disc.
-    edges = corners + facets - (0 if name == "top" else 1)
-    for n in (3, 5):
-        points = surface.grid(n)
-        assert len(np.unique(np.round(points.x, 9), axis=0)) == len(points)
-        inner = (n - 2) * (n - 3) // 2 if cell == "tetrahedron" else (n - 2) ** 2
-        assert len(points) == corners + edges * (n - 2) + facets * inner
-
-
 @pytest.mark.parametrize(("cell", "mesh"), [("tetrahedron", 0.6), ("hexahedron", (1, 4, 1))])
 def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell, mesh):
     """Facets of a quarter circle leave the boxes of their corners by far more than the reach."""
@@ -163,18 +124,8 @@ def meshed(shape, cell, order, elements):
     return shape_mesh(shape, cell, order, breaks=breaks_of(shape, elements))
 
 
-@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-@pytest.mark.parametrize("count", [8, 24])
-def test_of_chords_it_is_the_sagitta(cell, count):
-    ring = Ring(0.05, 0.08)
-    for name, radius in (("inner", 0.05), ("outer", 0.08)):
-        sagitta = radius * (1 - np.cos(np.pi / count))
-        found = estimate(meshed(ring, cell, 1, (1, count)), name)
-        np.testing.assert_allclose(found, sagitta, rtol=3 / count**2)
-
-
-@pytest.mark.parametrize("order", [2, 3, 4])
-def test_of_curved_facets_it_bounds_their_distance(order):
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_of_facets_it_bounds_their_distance(order):
     ring = Ring(0.05, 0.08)
     mesh = meshed(ring, "quadrilateral", order, (1, 12))
     known = surface_of(mesh, "outer", true_surfaces=true_surfaces(ring))
@@ -182,7 +133,7 @@ def test_of_curved_facets_it_bounds_their_distance(order):
     distance = np.abs(known.offset(points.at, points.normal)).max()
     found = estimate(mesh, "outer")
     assert (distance < found).all()
-    assert (found < {2: 5, 3: 8, 4: 15}[order] * distance).all()
+    assert (found < {1: 1.1, 2: 5, 3: 8, 4: 15}[order] * distance).all()
     assert (known.geometry_error(points.at) == 0).all()
 
 

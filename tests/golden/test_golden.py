@@ -72,20 +72,11 @@ def assert_same_errors(found, expected, rel=1e-3):
 
 
 LABELS = ("backend", "formulation", "points", "traces")
-LOCKED = {
-    "fe": ["GPTS 6", "GPTS 3, lumped", "GPTS 6, lumped", "GPTS 3, full pass", "segments"],
-    "iga": [
-        *("grid", "GPTS 3", "GPTS 6", "GPTS 3, lumped", "GPTS 6, lumped"),
-        *("Greville, full pass", "GPTS 3, full pass", "segments"),
-    ],
-}
-"""What has many more points than traces locks, and nothing else does."""
 
 
 @pytest.mark.slow
 def test_locking_is_as_frozen(tmp_path):
     result = run(locking.STUDY, locking.Options(), tmp_path / "out")
-    assert locking.locked(result) == LOCKED
     found = result.frame()
     rows = found.groupby([*LABELS], sort=False)
     for (labels, own), expected in zip(rows, stored("tables")["locking"], strict=True):

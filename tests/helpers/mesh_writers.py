@@ -6,7 +6,6 @@ import gmsh
 import meshio
 import numpy as np
 import pytest
-import pyvista
 
 from cea.mesh import DIMENSION, Mesh, lattice
 from meshes.breaks import breaks_of
@@ -19,18 +18,6 @@ from meshes.unstructured import gmsh_session
 
 NEEDED = {".cdb": "mapdl_archive", ".xdmf": "h5py", ".vtu": "meshio"}
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
-VTK = {
-    "tetrahedron4": 10,
-    "hexahedron8": 12,
-    "wedge6": 13,
-    "pyramid5": 14,
-    "tetrahedron10": 24,
-    "hexahedron20": 25,
-    "wedge15": 26,
-    "pyramid13": 27,
-}
-
-
 BRICKS = {
     "hexahedron8": range(8),
     "wedge6": [0, 1, 2, 2, 3, 4, 5, 5],
@@ -70,14 +57,6 @@ def abaqus_deck(points, solids, node_sets):
     for name, nodes in node_sets.items():
         lines += [f"*NSET, NSET={name}", *map(str, (np.unique(nodes) + 1).tolist())]
     return "\n".join(lines) + "\n"
-
-
-def vtk_grid(points, solids, node_sets):
-    """A grid of VTK with its node sets; each set of elements is of another kind."""
-    grid = pyvista.UnstructuredGrid({VTK[kind]: nodes for kind, nodes in solids.values()}, points)
-    for name, nodes in node_sets.items():
-        grid.point_data[name.upper()] = np.isin(np.arange(len(points)), nodes).astype(np.uint8)
-    return grid
 
 
 def ansys_archive(points, solids, node_sets, element):
@@ -379,9 +358,8 @@ def mixed_cells(elements=(3, 2, 3)):
     return {cell: np.array(corners) for cell, corners in cells.items()}
 
 
-def mixed_blocks(order, seed=0, move=lambda x: x, nodes=None):
-    """Points, moved, and blocks of elements whose nodes are numbered at random."""
-    counts = {1: [8, 6, 5, 4], 2: [20, 15, 13, 10]}[order] if nodes is None else nodes
+def mixed_blocks(counts, seed=0, move=lambda x: x):
+    """Points, moved, and blocks of elements of some nodes, which are numbered at random."""
     kinds = dict(zip(("hexahedron", "wedge", "pyramid", "tetrahedron"), counts, strict=True))
     places = {
         cell: np.stack([at[:, list(group)].mean(axis=1) for group in
@@ -403,11 +381,8 @@ def mixed_blocks(order, seed=0, move=lambda x: x, nodes=None):
 
 def mixed_file(file, order, element=None):
     """A file of mixed elements, a set of each cell, and the nodes on y = 0 as the set LOW."""
-    points, blocks = mixed_blocks(order)
+    points, blocks = mixed_blocks((8, 6, 5, 4) if order == 1 else (20, 15, 13, 10))
     solids = {b.cell.upper(): (f"{b.cell}{b.nodes.shape[1]}", b.nodes) for b in blocks}
     low = {"LOW": np.flatnonzero(points[:, 1] == 0)}
-    if file.suffix == ".vtu":  # by the library of VTK itself
-        vtk_grid(points, solids, low).save(file)
-    else:
-        write_sets(file, points, solids, low, element)
+    write_sets(file, points, solids, low, element)
     return points, blocks

@@ -14,7 +14,6 @@ from cea.material import IsotropicMaterial
 from cea.supports.boundary import Support
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.placement import Placement
 from meshes.shapes import Box, Disc, Sector
 
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
@@ -59,8 +58,6 @@ UNLIKE = r"patch 0 axis 0 side 1 and patch 1 axis 0 side 0"
     [
         pytest.param(box_patch(1.0, between=(0.4,)), UNLIKE, id="other knots"),
         pytest.param(box_patch(1.0, size=(1.0, 0.5, 1.0)), UNLIKE, id="half the face"),
-        pytest.param(box_patch(1.0, 0.6), UNLIKE, id="shifted"),
-        pytest.param(box_patch(1.0, 0.3, -1.0, size=(1.0, 0.1, 3.0)), UNLIKE, id="crossing"),
         pytest.param(box_patch(1.0, -0.9, -0.9), UNLIKE, id="overlapping corners"),
         pytest.param(box_patch(1.1), "2 bodies that share no face", id="apart"),
         pytest.param(box_patch(1.0, 1.0), "2 bodies that share no face", id="sharing an edge"),
@@ -88,7 +85,6 @@ def test_degrees_below_that_of_the_geometry_are_refused() -> None:
     ("place", "points"),
     [
         pytest.param((1, 1, 1), (-0.9, -0.8, -0.7), id="folded"),
-        pytest.param((1, 1, 1), (0.5, 0.5, 1.0), id="flat"),
         pytest.param((..., 2), 0.0, id="without thickness"),
     ],
 )
@@ -114,35 +110,12 @@ def test_a_collapsed_edge_is_one_dof(edge: tuple) -> None:
     assert values[5] < 1e-12 * values[-1] < values[6]
 
 
-def test_a_collapsed_face_is_no_surface() -> None:
-    disc = nurbs_shape(DISC, breaks_of(DISC, (1, 4, 1)))
-    with pytest.raises(InputError, match=r"faces.axis = \(0, 0, 0\): faces that are not"):
-        nurbs_body("part", disc.patches, {"axis": [(0, 0, 0)]}, (2, 2, 1), material=STEEL)
-
-
-def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
-    patch = box_patch()
-    for given in (patch, turned(patch, (0, 1, 2), 1)):
-        cells = joined(given, degree=(2, 1, 1)).space.volume_cells().straight()
-        corners = cells.points[cells.cells]
-        assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0
-
-
-def test_one_dof_a_level_at_the_axis() -> None:
-    part = body(DISC, (3, 8, 2), (2, 3, 2), Placement())
-    radial, around, levels = 3 + 2, 4 * (2 + 2), 2 + 2
-    assert part.num_scalar_dofs == ((radial - 1) * around + 1) * levels
-    at_axis = np.linalg.norm(part.space.dof_positions[:, :2], axis=1) < 1e-12
-    assert at_axis.sum() == levels
-    assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
-
-
 @pytest.mark.parametrize("radius", [0.0, 1e-9, 0.1])
 def test_location_about_the_axis(radius: float) -> None:
     rng = np.random.default_rng(3)
     r, angle = radius * rng.random(1000), rng.uniform(0, 2 * np.pi, 1000)
     x = np.stack([r * np.cos(angle), r * np.sin(angle), np.full(1000, 0.25)], axis=1)
-    top = body(DISC, (3, 8, 2), (2, 3, 2)).surfaces["top"]
+    top = body(DISC, (2, 4, 1), (2, 3, 2)).surfaces["top"]
     up = np.broadcast_to(TILTED.rotation[:, 2], x.shape)
     found = top.locate(TILTED.apply(x), up, 0.1)
     assert not found.missed.any()

@@ -1,7 +1,5 @@
 """Matrices of NURBS bodies against slow loops: every degree, joint and map; refinement."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 from bodies import nurbs_body
@@ -9,7 +7,6 @@ from iga_data import (
     STEEL,
     TILTED,
     TURNED,
-    basis_on_grid,
     body,
     slow_matrices,
     slow_points,
@@ -22,10 +19,9 @@ from cea.motion import Rotation
 from iga_cea.patch import refine
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.shapes import Annulus, Box, Disc, RingSector, Sector
+from meshes.shapes import Box, Disc, RingSector, Sector
 
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
-ANNULUS = Annulus(0.8, 1.7, -0.1, 0.2)
 RING_SECTOR = RingSector(0.8, 1.7, 20.0, 85.0)
 DEGREES = (2, 3, 4, 5, 6, 8)
 
@@ -73,20 +69,19 @@ def bulging():
 
 
 IN_SPACE = [(1, 2, 1), (2, 2, 2), (1, 3, 2), (1, 4, 1), (5, 2, 1), (1, 2, 6)]
-BOTH = (False, True)
 PARTS = [
     # Continuity 0 along one parameter, the highest along the other.
     *((body, (RING_SECTOR, (2, 3), (q - 1, q)), {"continuity": (0, q - 1)}) for q in DEGREES),
-    *((along, each, {}) for each in product(range(3), range(1, 7))),
-    *((odd, each, {}) for each in (((1, 2, 0), 0), ((2, 1, 0), 2), ((0, 2, 1), 1))),
+    *((along, (q % 3, q), {}) for q in range(1, 7)),
+    *((odd, each, {}) for each in (((1, 2, 0), 0), ((2, 1, 0), 2))),
     # Elements at the axis of a disc have several functions of one dof.
-    *((body, (Disc(1.2, -0.1, 0.2), n, (2, 2, 1)), {}) for n in ((1, 4, 1), (2, 8, 2))),
-    *((distorted, (SECTOR, (2, 2, 1), q), {"weights": w}) for q in IN_SPACE for w in BOTH),
+    *((body, (Disc(1.2, -0.1, 0.2), n, (2, 2, 1)), {}) for n in ((1, 4, 1), (2, 4, 1))),
+    *((distorted, (SECTOR, (2, 2, 1), q), {"weights": True}) for q in IN_SPACE),
+    (distorted, (SECTOR, (2, 2, 1), (2, 2, 2)), {"weights": False}),
     # More spans than a window has, so that windows move.
     *(
         (distorted, (RING_SECTOR, (6, 5), (3, 3)), {"weights": weights, "continuity": continuity})
-        for continuity in (None, (0, 1), (2, 0))
-        for weights in BOTH
+        for weights, continuity in ((True, None), (False, (0, 1)), (True, (2, 0)))
     ),
     (bulging, (), {}),
 ]
@@ -101,6 +96,7 @@ def test_matrices_are_those_of_slow_loops(make, arguments, options):
         assert abs(A - A.T).max() == 0
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("coriolis", [True, False])
 @pytest.mark.parametrize("shape", ["disc", "distorted"])
 def test_matrices_of_rotation(shape: str, coriolis: bool) -> None:
@@ -141,28 +137,3 @@ def test_geometric_stiffness(weights: bool) -> None:
     ours = to_scipy(part.geometric_stiffness(u.ravel())).toarray()
     slow = np.kron(slow, np.eye(3))
     assert np.abs(ours - slow).max() <= 1e-13 * np.abs(slow).max()
-
-
-@pytest.mark.parametrize("shape", [Box((1.0, 2.0, 0.5)), ANNULUS, SECTOR], ids=lambda s: s.shape)
-@pytest.mark.parametrize("degree", [(1, 2, 1), (2, 3, 4), (6, 6, 6), (8, 8, 8)])
-def test_refinement_keeps_the_geometry(shape, degree: tuple[int, int, int]) -> None:
-    grid = [np.linspace(0, 1, 6)] * 3
-    for geometry in nurbs_shape(shape, breaks_of(shape, (2, 8, 3)), TILTED).patches:
-        before = refine(geometry, geometry.degrees, tuple(p - 1 for p in geometry.degrees))
-        after = refine(geometry, np.maximum(degree, geometry.degrees), (0, 1, 0))
-        x, y = (
-            basis_on_grid(patch, grid) @ patch.control_points.reshape(-1, 3)
-            for patch in (before, after)
-        )
-        assert np.abs(x - y).max() < 1e-14
-        assert after.spans == tuple(len(b) - 1 for b in geometry.breaks)
-
-
-@pytest.mark.parametrize(
-    ("backward", "quarters", "told"),
-    [(False, [0.0, 90.0, 180.0, 360.0], "theta"), (True, np.linspace(0, 360, 5), "breaks of r")],
-)
-def test_breaks_that_do_not_fit_are_refused(backward, quarters, told) -> None:
-    r, _, z = breaks_of(ANNULUS, (1, 4, 1))
-    with pytest.raises(ValueError, match=told):
-        nurbs_shape(ANNULUS, (r[::-1] if backward else r, np.array(quarters), z))

@@ -57,7 +57,6 @@ def test_parts_of_a_deck_are_put_where_their_instances_stand(read, instance):
         ("Top", [[9.5, 0.5, 2.0]]),
         ("First:S1", [[9.5, 0.5, 0.0]]),
         ("Side", [[10.0, 0.5, 0.5], [10.0, 0.5, 1.5]]),
-        ("Held", [[9.5, 0.5, 0.0]]),
         ("Some", [[9.5, 0.5, 0.0]]),
         ("Lower", [[9.5, 0.5, 0.0]]),
         ("OfElements", [[9, 0.5, 0.5], [9.5, 0, 0.5], [9.5, 0.5, 0], [9.5, 1, 0.5],
@@ -78,9 +77,6 @@ def test_faces_of_a_deck(read, sets, middles):
 @pytest.mark.parametrize(
     ("text", "changes", "field", "words"),
     [
-        (CUBE, {"unit": None}, "unit", "one of m, cm, mm"),
-        (CUBE, {"part": "NONE"}, "part", "a set of elements: CUBE"),
-        (CUBE, {"faces": {"wanted": "SIDE"}}, "faces", "one of the sets of the file: CUBE"),
         (CUBE + "*NSET, NSET=EDGE\n5, 6\n", {"faces": {"wanted": "EDGE"}}, "faces.wanted",
          "nowhere on the boundary"),
         (CUBE + AGAIN.replace("11, 12, 13, 14", "5, 6, 7, 8") + "*SURFACE, NAME=IN\n1, S2\n",
@@ -89,27 +85,14 @@ def test_faces_of_a_deck(read, sets, middles):
          "elements:TOP or nodes:TOP"),
         (CUBE + SHELL, {}, "part", "solid elements alone, here are S4"),
         (CUBE + TET10, {}, "part", "all of order 1 or all of order 2; in cube.inp are: C3D"),
-        (SHELL, {}, "file", "a number of a node"),
         (CUBE + FAR, {}, "part", "these elements make 2"),
         (CUBE + AGAIN, {}, "part", "make 2 that share no nodes.* merge_nodes: 4 pairs"),
-        (CUBE + AGAIN.replace("11, 12", "5, 6"), {}, "merge_nodes", "2 pairs of nodes lie in one"),
         (CUBE + AGAIN, {"merge_nodes": 0.6}, "merge_nodes", "less than half the shortest edge"),
         (CUBE.replace("2, 3, 4, 5", "2, 4, 3, 5"), {}, "file", "Jacobian is positive"),
-        (CUBE.replace("1, 2, 3, 4, 5, 6, 7, 8\n*", "5, 6, 7, 8, 1, 2, 3, 4\n*"), {}, "file",
-         "the first 1"),
         (CUBE.replace("3, 4, 5", "2, 4, 5"), {}, "file", "corners are apart"),
-        (CUBE.replace("7, 8\n*NSET", "7\n*NSET"), {}, "file", "9 numbers for each element"),
         (CUBE.replace("7, 8\n*NSET", "7, 9\n*NSET"), {}, "file", "a node that the file has"),
-        (CUBE.replace("7, 1, 1, 1", "7, 1, x, 1"), {}, "file", "numbers in its data"),
         (CUBE.replace("7, 1, 1, 1", "7, 1, nan, 1"), {}, "file", "finite numbers"),
-        (CUBE.replace("7, 1, 1, 1", "7, 1, 1, 1, 0, 0, 1, 7, 7"), {}, "file", "coordinates in ea"),
         (CUBE.replace("C3D8,", "C3D8, OFFSET=100,"), {}, "file", "OFFSET=100.*parameters that are"),
-        (CUBE.replace("NSET=TOP", "NSET=TOP, EXCLUDE=EDGE"), {"faces": {"wanted": "TOP"}}, "file",
-         "EXCLUDE=EDGE.*parameters that are known"),
-        (CUBE + "*SURFACE, NAME=A, MAX RATIO=2\n1, S1\n", {"faces": {"wanted": "A"}}, "file",
-         "MAX RATIO=2.*parameters that are known"),
-        (CUBE + "*SURFACE, NAME=A, COMBINE=SUM\nB\n*SURFACE, NAME=B\n1, S1\n",
-         {"faces": {"wanted": "A"}}, "file", "COMBINE=SUM"),
         (CUBE.replace("*NODE", "*NODE, SYSTEM=C"), {}, "file", "cartesian"),
         (CUBE + "*NSET, NSET=A\nB\n*NSET, NSET=B\nA\n", {"faces": {"wanted": "A"}}, "file",
          "inside each other"),
@@ -118,8 +101,6 @@ def test_faces_of_a_deck(read, sets, middles):
         (CUBE + "*SURFACE, NAME=A\n1, S7\n", {"faces": {"wanted": "A"}}, "file", "faces S1 to S6"),
         ("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 0, 1\n*ELEMENT, TYPE=CPE3\n1, 1, 2, 3\n", {}, "file",
          "plane z = 0"),
-        ("", {}, "file", "not empty"),
-        ("nothing of the kind", {}, "file", r"\*NODE and \*ELEMENT"),
     ],
 )  # fmt: skip
 def test_what_is_refused(read, text, changes, field, words):
@@ -141,8 +122,6 @@ def test_shells_may_be_named_as_marks_or_left_out_by_the_choice_of_a_part(read):
         ("folder.msh", "folder", "not a regular file"),
         ("a.step", b"ISO-10303-21;", "one that ends in .msh"),
         ("a.msh", b"*NODE\n1, 0, 0, 0\n", "a .msh file of gmsh"),
-        ("a.bdf", b"\x00\xff" * 300, "the name of a card"),
-        ("a.xdmf", b"<Xdmf/>", "cannot be read"),
         ("a.vtu", b"\x00\xff" * 300, "cannot be read"),
         ("a.cdb", b"\x00\xff" * 300, "cannot be read"),
     ],
@@ -158,10 +137,9 @@ def test_files_that_are_none(tmp_path, name, content, words):
     assert refused.value.field == "file"
 
 
-@pytest.mark.parametrize(("kind", "nodes"), [("C3D15V", 15), ("C3D27", 27)])
-def test_solids_with_some_middles_of_faces_are_refused_by_their_name(read, kind, nodes):
-    points = "".join(f"{n}, {n % 2}, {n % 3}, {n}\n" for n in range(1, nodes + 1))
-    cell = ", ".join(map(str, range(1, nodes + 1)))
+def test_solids_with_some_middles_of_faces_are_refused_by_their_name(read):
+    points = "".join(f"{n}, {n % 2}, {n % 3}, {n}\n" for n in range(1, 16))
+    cell = ", ".join(map(str, range(1, 16)))
     with pytest.raises(InputError, match="pyramids, wedges or hexahedra") as no:
-        read(f"*NODE\n{points}*ELEMENT, TYPE={kind}, ELSET=BODY\n1, {cell}\n", part="BODY")
-    assert (no.value.field, no.value.value) == ("file", f"cube.inp: {kind} in the part BODY")
+        read(f"*NODE\n{points}*ELEMENT, TYPE=C3D15V, ELSET=BODY\n1, {cell}\n", part="BODY")
+    assert (no.value.field, no.value.value) == ("file", "cube.inp: C3D15V in the part BODY")

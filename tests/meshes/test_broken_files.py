@@ -1,6 +1,7 @@
 """A thousand broken files: each is read or refused, none ends in a traceback or takes long."""
 
 import time
+from contextlib import suppress
 from itertools import cycle
 
 import numpy as np
@@ -64,17 +65,13 @@ def test_broken_files_are_read_or_refused(tmp_path, part):
         file = tmp_path / f"broken{k}{original.suffix}"
         file.write_bytes(broken(original.read_bytes(), rng))
         start = time.perf_counter()
-        try:
+        with suppress(InputError):
             for name in read_mesh_file(file).names[:4]:
-                try:
-                    body = MeshFile(str(file), "m", part=of_body, faces={"side": name})
+                body = MeshFile(str(file), "m", part=of_body, faces={"side": name})
+                with suppress(InputError):
                     mesh = body.mesh(["side"])
                     body.nodes_left_out(["side"])
-                except InputError:
-                    continue
-                distribute(mesh, MPI.COMM_SELF, "mesh")
-                read += 1
-        except InputError:
-            pass
+                    distribute(mesh, MPI.COMM_SELF, "mesh")
+                    read += 1
         assert time.perf_counter() - start < SECONDS, file
     assert read > 20

@@ -1,7 +1,5 @@
 """Bodies of hexahedra, wedges, pyramids and tetrahedra, divided into tetrahedra."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from basix import CellType, LagrangeVariant, make_quadrature
@@ -10,35 +8,28 @@ from mesh_writers import DECK, file_of, gmsh_wedges, mixed_blocks, mixed_file
 
 from cea.errors import InputError
 from cea.mesh import Mesh, facet_nodes, node_order
-from meshes.files.content import block
 from meshes.files.elements import KINDS
 from meshes.files.part import check_elements
-from meshes.files.tetrahedra import completed, tetrahedra
+from meshes.files.tetrahedra import tetrahedra
 from meshes.mesh_file import MeshFile
 
 
-def volumes(points, cells, order):
-    """Volumes of tetrahedra, by a rule of degree 5."""
-    at, weights = make_quadrature(CellType.tetrahedron, 5)
-    shapes = lagrange("Lagrange", "tetrahedron", order, lagrange_variant=LagrangeVariant.equispaced)
-    ours = np.argsort(node_order("tetrahedron", order, shapes._element.points))
-    jacobians = np.einsum("dqn,cni->cqid", shapes.tabulate(1, at)[1:], points[cells[:, ours]])
-    return np.einsum("q,cq->c", weights, np.linalg.det(jacobians))
-
-
 def volume(mesh):
-    """Volume of a mesh, each cell of which is right-handed."""
-    found = volumes(mesh.points, mesh.cells, mesh.order)
+    """Volume of tetrahedra by a rule of degree 5; each is right-handed."""
+    at, weights = make_quadrature(CellType.tetrahedron, 5)
+    name, variant = "tetrahedron", LagrangeVariant.equispaced
+    shapes = lagrange("Lagrange", name, mesh.order, lagrange_variant=variant)
+    ours = np.argsort(node_order(name, mesh.order, shapes._element.points))
+    nodes = mesh.points[mesh.cells[:, ours]]
+    jacobians = np.einsum("dqn,cni->cqid", shapes.tabulate(1, at)[1:], nodes)
+    found = np.linalg.det(jacobians) @ weights
     assert found.min() > 0
     return found.sum()
 
 
 @pytest.mark.parametrize(
     ("name", "order", "element"),
-    [
-        *(("a.inp", 1, None), ("a.inp", 2, None), ("a.vtu", 1, None)),
-        *(("a.cdb", 1, 185), ("a.cdb", 2, 186)),
-    ],
+    [("a.inp", 1, None), ("a.inp", 2, None), ("a.cdb", 1, 185), ("a.cdb", 2, 186)],
 )
 def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, name, order, element):
     """With a type of elements an archive has bricks whose nodes fall on one another."""
@@ -51,13 +42,6 @@ def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, name, ord
     on_low = mesh.points[mesh.surfaces["low"]]
     assert len(on_low) == 2 * 3 * 3
     assert (on_low[..., 1] == 0).all()
-
-
-def test_cells_that_meshio_does_not_read_are_refused_by_their_name(tmp_path):
-    file = file_of(tmp_path, "a.vtu")
-    mixed_file(file, 2)
-    with pytest.raises(InputError, match="cells of type wedge15"):
-        MeshFile(str(file), "m")
 
 
 ABAQUS_FACES = {
@@ -87,6 +71,7 @@ def test_faces_of_elements_are_those_of_the_manual(tmp_path):
     assert len(on) == 2 * 3 * 3
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("version", [2.2, 4.1])
 def test_wedges_and_pyramids_of_gmsh(tmp_path, order, version):
@@ -121,15 +106,13 @@ def test_faces_that_are_cut_along_two_diagonals_are_refused(tmp_path, upper, fit
             MeshFile(str(file), "m").mesh([])
 
 
-@pytest.mark.parametrize("own", [True, False])
-def test_an_edge_with_two_middles_is_refused(tmp_path, own):
-    """Two quadratic tetrahedra over one face, one of whose edges may have two nodes."""
+def test_an_edge_with_two_middles_is_refused(tmp_path):
+    """Two quadratic tetrahedra over one face, one of whose edges has two nodes."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, -1.0]])
     groups = [list(group) for group in KINDS["tetrahedron10"].groups]
     upper = [corners[group].mean(axis=0) for group in groups]
     lower = [corners[[(0, 2, 1, 4)[c] for c in group]].mean(axis=0) for group in groups]
-    if own:
-        lower[groups.index([1, 2])] += [0.01, 0.01, 0.0]
+    lower[groups.index([1, 2])] += [0.01, 0.01, 0.0]
     points, rows = np.unique([*upper, *lower], axis=0, return_inverse=True)
     lines = ["*NODE", *(f"{i}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(points, 1))]
     lines += ["*ELEMENT, TYPE=C3D10"]
@@ -137,11 +120,8 @@ def test_an_edge_with_two_middles_is_refused(tmp_path, own):
         lines.append(", ".join(map(str, [i, *row])))
     file = tmp_path / "a.inp"
     file.write_text("\n".join(lines))
-    if own:
-        with pytest.raises(InputError, match=r"element 2.*match those of their neighbours"):
-            MeshFile(str(file), "m").mesh([])
-    else:
-        assert volume(MeshFile(str(file), "m").mesh([])) == pytest.approx(1 / 3)
+    with pytest.raises(InputError, match=r"element 2.*match those of their neighbours"):
+        MeshFile(str(file), "m").mesh([])
 
 
 def bent(x):
@@ -150,57 +130,24 @@ def bent(x):
     return np.stack([x + 0.02 * y * z, y + 0.015 * x * x, z + 0.02 * x * y - 0.01 * z * z], axis=1)
 
 
-def bent_volume():
-    """Volume that the map makes of the box, by Gauss points that are exact for it."""
-    at, weights = np.polynomial.legendre.leggauss(3)
-    x, y, z = np.meshgrid(*(length * (1 + at) / 2 for length in (3, 2, 3)), indexing="ij")
-    one, none = np.ones_like(x), np.zeros_like(x)
-    rows = [
-        [one, 0.02 * z, 0.02 * y],
-        [0.03 * x, one, none],
-        [0.02 * y, 0.02 * x, one - 0.02 * z],
-    ]
-    determinants = np.linalg.det(np.moveaxis(np.array(rows), (0, 1), (-2, -1)))
-    return 18 / 8 * np.einsum("i,j,k,ijk", weights, weights, weights, determinants)
+BENT_VOLUME = 17.42772
+"""Integral of the determinant of the map over the box of 3 x 2 x 3."""
 
 
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("seed", range(5))
-def test_tetrahedra_fill_the_body_and_match_across_faces(order, seed):
-    points, blocks = mixed_blocks(order, seed, bent if order == 2 else lambda x: x)
+@pytest.mark.parametrize(
+    "nodes", [(8, 6, 5, 4), (20, 15, 13, 10), (27, 15, 13, 10), (27, 18, 14, 10)]
+)
+@pytest.mark.parametrize("seed", range(3))
+def test_tetrahedra_fill_the_body_and_match_across_faces(nodes, seed):
+    """Where elements lack the middle of a face that their neighbour has, they take that one."""
+    order = 1 if nodes[0] == 8 else 2
+    points, blocks = mixed_blocks(nodes, seed, bent if order == 2 else lambda x: x)
     made, cells, elements, _ = tetrahedra(points, blocks)
     mesh = Mesh("tetrahedron", order, made, cells, {})
-    assert volume(mesh) == pytest.approx(bent_volume() if order == 2 else 18.0, rel=1e-13)
+    assert volume(mesh) == pytest.approx(BENT_VOLUME if order == 2 else 18.0, rel=1e-13)
     sides = np.concatenate([cells[:, f] for f in facet_nodes("tetrahedron", order)])
     _, times = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
     assert times.max() == 2
     assert (times == 1).sum() == 2 * 2 * (3 * 2 + 3 * 2 + 3 * 3)  # two triangles on each square
     check_elements("tetrahedron", order, made, cells, elements)
-
-
-def test_nodes_that_elements_have_are_kept_and_no_others_double():
-    points, blocks = mixed_blocks(2, nodes=[27, 18, 14, 10], move=bent)
-    whole, cells, *_ = tetrahedra(points, blocks)
-    assert len(whole) == len(points)  # middles of faces and cells were all there
-    added, others, *_ = tetrahedra(*mixed_blocks(2, move=bent))
-    places = [p[np.unique(c)] for p, c in ((whole, cells), (added, others))]
-    one, other = (each[np.lexsort(np.round(each, 9).T)] for each in places)
-    np.testing.assert_allclose(one, other, rtol=0, atol=1e-14)
-
-
-def test_neighbours_of_20_and_27_nodes_share_the_middle_of_their_face():
-    """Two hexahedra on a row: the one that lacks the middle of the face takes that of the other."""
-    kind = KINDS["hexahedron27"]
-    at = np.concatenate([kind.reference, kind.reference + np.array([1.0, 0.0, 0.0])])
-    points, rows = np.unique(at, axis=0, return_inverse=True)
-    first, second = rows.reshape(2, 1, 27)
-    blocks = [
-        block("whole", "hexahedron27", np.array([1]), first),
-        block("fewer", "hexahedron20", np.array([2]), second[:, :20]),
-    ]
-    used = np.union1d(first, second[:, :20])
-    renumbered = [replace(each, nodes=np.searchsorted(used, each.nodes)) for each in blocks]
-    every, full = completed(points[used], renumbered)
-    nodes = np.concatenate([each.nodes for each in full])
-    assert (len(every), len(np.intersect1d(*nodes))) == (len(points), 9)
-    np.testing.assert_allclose(every[nodes], at.reshape(2, 27, 3), atol=1e-15)
+    assert nodes[1] != 18 or len(made) == len(points)  # middles of faces and cells were all there

@@ -14,71 +14,47 @@ CARDS = [["GRID", i, "", *x] for i, x in enumerate(X.tolist(), 1)]
 CARDS += [["CHEXA", 1, 7, *range(1, 9)]]
 
 
-def number(value, letter=None):
-    """A number as text; 1.5-2 or 1.5D-2 for 0.015 with a letter of the exponent."""
-    if not isinstance(value, float):
-        return str(value)
-    if letter is None:
-        return f"{value:.4f}"
-    return f"{value:.1e}".replace("e-0", f"{letter}-").replace("e+0", f"{letter}+")
+def number(value):
+    return f"{value:.4f}" if isinstance(value, float) else str(value)
 
 
-def small(cards, first="+", letter=None, end=""):
+def small(cards, first="+", end=""):
     lines = []
     for name, *fields in cards:
         for i in range(0, len(fields), 8):
             head = name if i == 0 else first
-            row = "".join(f"{number(field, letter):>8}" for field in fields[i : i + 8])
+            row = "".join(f"{number(field):>8}" for field in fields[i : i + 8])
             lines.append(f"{head:<8}{row}{end}")
     return "\n".join(lines) + "\n"
 
 
-def large(cards, marks=False):
-    lines = []
-    for n, (name, *fields) in enumerate(cards):
-        parts = [fields[i : i + 4] for i in range(0, len(fields), 4)]
-        parts += [[]] * (len(parts) % 2)  # large cards have an even number of lines
-        for i, part in enumerate(parts):
-            head = f"{name}*" if i == 0 else f"*N{n}{i - 1}" if marks else "*"
-            row = "".join(f"{number(field):>16}" for field in part)
-            mark = f"*N{n}{i}" if marks else ""
-            lines.append(f"{head:<8}{row:<64}{mark}".rstrip())
-    return "\n".join(lines) + "\n"
-
-
-def free(cards, first="+", last="", between=","):
+def free(cards, first="+", between=","):
     lines = []
     for name, *fields in cards:
         for i in range(0, len(fields), 8):
             part = [name if i == 0 else first, *map(number, fields[i : i + 8])]
-            lines.append(between.join(part) + (last if fields[i + 8 :] else ""))
+            lines.append(between.join(part))
     return "\n".join(lines) + "\n"
 
 
 SPELLINGS = {
     "fixed fields": small(CARDS),
-    "blank first fields": small(CARDS, ""),
     "named marks": small(CARDS, "+E1").replace("       6\n", "       6+E1\n"),
     "numbers in columns 73 to 80": small(CARDS[:-1], end=" " * 24 + "    1000") + small(CARDS[-1:]),
-    "exponents without E": small(CARDS, letter=""),
-    "exponents with D": small(CARDS, letter="D"),
+    "exponents without E": small(CARDS).replace("0.0200", "  2.-2"),
+    "exponents with D": small(CARDS).replace("0.0200", "2.0D-2"),
     "zeros left out": small([[x if x != 0 else "" for x in card] for card in CARDS]),
     "comments behind fields": small(CARDS, end="  $ last") + "$ GRID, 1, 5\n",
-    "lower case": small(CARDS).lower(),
-    "large fields": large(CARDS),
-    "large fields with marks": large(CARDS, marks=True),
+    "large fields": "".join(f"GRID*   {i:16}{'':16}{x:16.4f}{y:16.4f}\n*       {z:16.4f}\n" for
+                            i, (x, y, z) in enumerate(X.tolist(), 1)) + small(CARDS[-1:]),
     "free fields": free(CARDS),
-    "free fields, marks at the end": free(CARDS, last=",+"),
     "free fields, blank first": free(CARDS, ""),
     "free fields with blanks": free(CARDS, between="  , "),
     "large free fields": "".join(f"GRID*,{i},,{x},{y}\n*,{z}\n" for i, (x, y, z) in
                                  enumerate(X.tolist(), 1)) + free(CARDS[-1:]),
     "tabs": free(CARDS, between="\t"),
-    "tabs behind full fields": free(CARDS, between="\t").replace("0.0200", "0.020000"),
-    "tabs and blanks": small(CARDS).replace("GRID    ", "GRID\t"),
     "elements first": small(CARDS[-1:]) + small(CARDS[:-1]) + "SPOINT,99\n",
     "carriage returns": small(CARDS).replace("\n", "\r\n"),
-    "no end of the last line": small(CARDS)[:-1],
     "sections": "SOL 103\nCEND\nTITLE = a plate\nSUBCASE 1\n  SPC = 1\nBEGIN BULK\n" + small(CARDS)
     + "ENDDATA\nwhatever follows\n",
     "what the scene says": small(CARDS) + "MAT1,1,2.+11,,.3\nPSOLID,7,1\nSPC1,1,123,1,THRU,4\n"
@@ -120,16 +96,15 @@ EDGES = {
 """Corners between which Nastran's Quick Reference Guide puts the points behind the corners."""
 
 
-@pytest.mark.parametrize("first", ["+", ""])
 @pytest.mark.parametrize("card", EDGES)
-def test_quadratic_elements_have_every_point_where_it_belongs(tmp_path, card, first):
+def test_quadratic_elements_have_every_point_where_it_belongs(tmp_path, card):
     cell, edges = EDGES[card]
     at = CORNERS[cell]
     middles = [at[[int(i) - 1 for i in edge]].mean(axis=0) for edge in edges.split()]
     points = np.array([*at, *middles])
     cards = [["GRID", i, "", *x] for i, x in enumerate(points.tolist(), 1)]
     cards.append([card, 1, 1, *range(1, len(points) + 1)])
-    (block,) = content(tmp_path, small(cards, first)).blocks
+    (block,) = content(tmp_path, small(cards, "")).blocks
     assert (block.cell, block.order) == (cell, 2)
     nodes = block.nodes[0]
     assert sorted(nodes) == list(range(len(points)))
@@ -166,6 +141,7 @@ def system(way, kind):
     return points + f"CORD1{kind},8,91,92,93,5,91,92,93\n"  # the second of two systems
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("default", [False, True])
 @pytest.mark.parametrize("kind", "RCS")
 @pytest.mark.parametrize("way", "12")
@@ -228,10 +204,8 @@ def test_files_are_included_from_their_folder_or_that_of_the_job(tmp_path):
 @pytest.mark.parametrize(
     "card",
     [
-        "CELAS2,99,1.+3,1,1", "CONM2,9,1,,1.0", "CBAR,9,1,1,2", "RBE2,9,1,123,2",
-        "RBE3,9,,1,123,1.,123,2", "MPC,1,1,1,1.,2,1,-1.", "GENEL,9,,1,1", "DMIG,K2GG,0,6,1,0",
-        "NSM,1,PSOLID,7,1.", "RBAR,9,1,2", "CHEXAA,9,1,1,2", "CORD3G,1,E313,0,0,0,0",
-        "BEGIN,SUPER=1", "BGSET,1,2,3", "PSOLID,7,1,,,,,PFLUID",
+        "CELAS2,99,1.+3,1,1", "CBAR,9,1,1,2", "RBE2,9,1,123,2", "MPC,1,1,1,1.,2,1,-1.",
+        "CHEXAA,9,1,1,2", "BEGIN,SUPER=1", "PSOLID,7,1,,,,,PFLUID",
     ],
 )  # fmt: skip
 def test_any_other_card_is_told_and_left_out_by_the_choice_of_a_part(tmp_path, card):
@@ -255,22 +229,14 @@ GOOD = free(CARDS)
         (GOOD.replace("GRID,3,,", "GRID,3,,nan,"), "a number in field 3 after .* not 'nan'"),
         (GOOD.replace("+,7,8", "+,7,9"), "a number of a point that the file has"),
         (GOOD.replace("+,7,8", "+,7,8,1"), "8 or 20 points"),
-        (GOOD.replace("+,7,8", "=,=,*(1)"), "the name of a card at the beginning"),
         (GOOD.replace("+,7,8", "+,7,8,,,,,,,,,1"), "at most 8 fields"),
         (GOOD + GOOD.splitlines()[-2] + "\n+,7,8\n", "a number of an element that occurs once"),
-        (GOOD.replace("CHEXA", "\n,,,9\nCHEXA"), "GRID 8.* eight fields at most"),
         ("+,7,8\n" + GOOD, "a line that continues the one before"),
-        (small(CARDS, "+E2").replace("       6\n", "       6+E1\n"), "ends with 'E1'"),
-        (GOOD + "GRDSET,,1\nGRDSET,,1\n", "one of these cards"),
-        (GOOD + "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n" * 2, "a number of its own"),
         (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\n",
          "not on one line"),
         (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD2R,1,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
          "not defined by itself"),
-        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,99\n", "of the file, not 99"),
-        (" GRID          10       0" + "0.150001" * 3 + "\n", "begins in the first column"),
         ("GRID,1,,0.,0.,0.\n", "no elements"),
-        ("CHEXA,1,1,1,2,3,4,5,6\n,7,8\n", "no GRID"),
     ],
 )  # fmt: skip
 def test_what_is_refused(tmp_path, text, words):

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from blocks import alone, scene_body
-from bodies import nurbs_body
 from covering import covering
-from iga_data import STEEL, basis_on_grid, body, slow_matrices, turned
+from iga_data import basis_on_grid, body, slow_matrices
 from petsc_matrices import to_scipy
 
 from cea.errors import InputError
@@ -19,27 +18,14 @@ from scenes import run_modes
 from scenes.spec.reading import read_scene
 
 
-@pytest.mark.parametrize("shape", [Ring(0.8, 1.7), RingSector(0.8, 1.7, -70.0, 100.0)])
-def test_circles_of_the_plane(shape) -> None:
-    """Every point of the curves lies on its circle, breaks at their angles."""
-    breaks = breaks_of(shape, (2, 9))
-    data = nurbs_shape(shape, breaks)
-    part = nurbs_body("part", data.patches, data.faces, (1, 2), material=STEEL)
-    for name, radius in (("inner", 0.8), ("outer", 1.7)):
-        x = part.surfaces[name].grid(40).x
-        assert np.abs(np.linalg.norm(x, axis=1) / radius - 1).max() < 3e-15
-    x = np.concatenate(
-        [
-            basis_on_grid(patch, [np.array([1.0]), patch.breaks[1]])
-            @ patch.control_points.reshape(-1, 2)
-            for patch in part.space.multipatch.patches
-        ]
-    )
-    found, expected = (
-        np.unique(np.round(angles % 360, 8) % 360)
-        for angles in (np.rad2deg(np.arctan2(x[:, 1], x[:, 0])), breaks[1])
-    )
-    np.testing.assert_allclose(found, expected, atol=1e-7)
+def test_breaks_of_arcs_are_at_their_angles() -> None:
+    shape = RingSector(0.8, 1.7, -70.0, 100.0)
+    breaks, angles = breaks_of(shape, (2, 9)), []
+    for patch in nurbs_shape(shape, breaks).patches:
+        basis = basis_on_grid(patch, [np.array([1.0]), patch.breaks[1]])
+        x, y = (basis @ patch.control_points.reshape(-1, 2)).T
+        angles += np.rad2deg(np.arctan2(y, x)).tolist()
+    np.testing.assert_allclose(np.unique(np.round(angles, 8)), breaks[1], atol=1e-7)
 
 
 def given(patch: NurbsPatch) -> GivenPatch:
@@ -94,16 +80,6 @@ def test_given_knots_are_kept(degree: tuple[int, int]) -> None:
             assert np.abs(to_scipy(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
 
 
-def test_patches_on_other_elements_are_refused() -> None:
-    """Where parameters change places, elements along those that meet must be the same."""
-    ring = Annulus(0.8, 1.7, -0.1, 0.2)
-    quarters = nurbs_shape(ring, breaks_of(ring, (1, 4, 1))).patches
-    odd = [quarters[0], turned(quarters[1], (1, 0, 2), 0)]
-    patches = Patches(tuple(given(patch) for patch in odd), {})
-    with pytest.raises(InputError, match="patch 0 axis 1 side 1 and patch 1"):
-        body(patches, (2, 3, 1), (2, 2, 2))
-
-
 LINE = (0.0, 0.0, 1.0, 1.0)
 SQUARE = (((0.0, 0.0), (0.0, 1.0)), ((1.0, 0.0), (1.0, 1.0)))
 PLAIN = GivenPatch((1, 1), (LINE, LINE), SQUARE)
@@ -113,13 +89,10 @@ SOLID = GivenPatch((1, 1, 1), (LINE, LINE, LINE), np.indices((2, 2, 2)).T.tolist
 @pytest.mark.parametrize(
     ("change", "field"),
     [
-        ({"degrees": (0, 1)}, "degrees"),
         ({"knots": ((0.0, 0.0, 1.0, 0.5), LINE)}, r"knots\[0\]"),
         ({"knots": (LINE, (0.0, 0.0, 0.5, 0.5, 1.0, 1.0))}, r"knots\[1\].*continuity 0"),
         ({"knots": (LINE, (0.0, 0.0, 0.5, 1.0, 1.0))}, r"control_points.*\(2, 3, 2\)"),
-        ({"knots": (LINE, (0.0, 0.0, float("nan"), 1.0))}, r"knots\[1\]"),
         ({"control_points": (((0.0, 0.0), (0.0, 1.0)), ((1.0, 0.0),))}, "control_points"),
-        ({"control_points": (((0.0, 0.0), (0.0, "y")), ((1.0, 0.0), (1.0, 1.0)))}, "control_p"),
         ({"weights": ((1.0, 1.0), (1.0, 0.0))}, "weights = 0.0: positive"),
     ],
 )
@@ -131,11 +104,9 @@ def test_wrong_patches_are_refused(change: dict, field: str) -> None:
 @pytest.mark.parametrize(
     ("patches", "faces", "field"),
     [
-        ((), {}, "patches"),
         ((PLAIN, SOLID), {}, r"patches = \[2, 3\]"),
         ((PLAIN,), {"left": ((1, 0, 0),)}, r"faces\[left\]"),
         ((PLAIN,), {"left": ((0, 0, 0), (0, 0, 0))}, r"faces\[left\]"),
-        ((PLAIN,), {"left": ()}, r"faces\[left\]"),
     ],
 )
 def test_wrong_faces_are_refused(patches, faces: dict, field: str) -> None:
@@ -202,17 +173,13 @@ def test_named_boundaries_are_surfaces_and_units_are_told(tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "changes", "words"),
     [
-        ("a.json", None, {}, "a file of patches"),
-        ("a.json", "", {}, "not empty"),
         ("a.json", "{}", {}, "not follow its format"),
         ("a.xml", "<xml>", {}, "not follow its format"),
         ("a.xml", "<xml></xml>", {}, "at least one patch|patches"),
-        ("a.igs", "x", {}, "one that ends in .json or .xml"),
         ("a.json", "{}", {"unit": None}, "the unit of length"),
     ],
 )
 def test_files_that_are_refused(tmp_path, name, content, changes, words):
-    if content is not None:
-        (tmp_path / name).write_text(content)
+    (tmp_path / name).write_text(content)
     with pytest.raises(InputError, match=words):
         NurbsFile(**{"file": str(tmp_path / name), "unit": "m", **changes})

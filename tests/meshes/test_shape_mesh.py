@@ -50,27 +50,16 @@ def native(shape, points):
     return np.column_stack([np.hypot(x[:, 0], x[:, 1]), theta, x[:, 2]])
 
 
-@pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("kind", BETWEEN)
-def test_hexahedra_lie_between_breaks(kind, order):
-    """Every node, inner ones too, is on a break or half way; every cell spans one interval."""
+def test_nodes_of_hexahedra_lie_on_breaks_and_half_way(kind):
     shape, elements, through = BETWEEN[kind]
     breaks = breaks_of(shape, elements, through)
-    mesh = shape_mesh(shape, "hexahedron", order, breaks=breaks, placement=PLACEMENT)
-    nodes = native(shape, mesh.points)[mesh.cells]
-    spans = []
-    for direction, (name, line) in enumerate(zip(shape.directions, breaks, strict=True)):
-        along = nodes[:, :, direction]
-        if name == "theta":
-            along = along[:, :1] + (along - along[:, :1] + 180) % 360 - 180
-            along -= 360 * np.floor((along.min(axis=1, keepdims=True) - line[0] + 1e-9) / 360)
-        span = np.abs(along.min(axis=1, keepdims=True) - line).argmin(axis=1)[:, None]
-        parts = order * (along - line[span]) / np.diff(line)[span]
-        np.testing.assert_allclose(parts, np.rint(parts), atol=1e-11)
-        assert (np.rint(parts).min(axis=1) == 0).all()
-        assert (np.rint(parts).max(axis=1) == order).all()
-        spans.append(span.ravel())
-    assert len(np.unique(spans, axis=1).T) == len(nodes) == np.prod([len(b) - 1 for b in breaks])
+    mesh = shape_mesh(shape, "hexahedron", 2, breaks=breaks, placement=PLACEMENT)
+    assert len(mesh.cells) == np.prod([len(line) - 1 for line in breaks])
+    for found, line in zip(native(shape, mesh.points).T, breaks, strict=True):
+        both = found, np.concatenate([line, (line[1:] + line[:-1]) / 2])
+        found, expected = (np.unique(np.round(each % 360, 8) % 360) for each in both)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7)
 
 
 BREAKS = breaks_of(BOX, (1, 1, 1))
@@ -81,8 +70,6 @@ HALVES = tuple(map(np.array, ([0.06, 0.15], [0.0, 180.0, 360.0], [-0.002, 0.01])
     ("field", "arguments", "keywords"),
     [
         ("breaks of r", (DISC, "hexahedron", 1), {"breaks": breaks_of(DISC, (1, 4, 1))}),
-        ("placement", (RECTANGLE, "triangle", 1), {"size": 0.1, "placement": PLACEMENT}),
-        ("breaks", (BOX, "tetrahedron", 1), {"breaks": BREAKS[:2]}),
         ("breaks", (BOX, "hexahedron", 1), {}),
         ("breaks of x", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0][::-1], *BREAKS[1:])}),
         ("breaks of y", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0], 2 * BREAKS[1], BREAKS[2])}),
@@ -159,7 +146,7 @@ def test_shapes_have_their_volume_and_the_areas_of_their_surfaces(name, order, k
 def test_patches_of_shapes_have_them_exactly(name):
     shape, volume, areas = MEASURES[name]
     dim = len(shape.directions)
-    part = body(shape, (4, 16, 5)[:dim], (2, 6, 2)[:dim])
+    part = body(shape, (3, 16, 3)[:dim], (2, 6, 2)[:dim])
     assert to_scipy(part.mass()).sum() == pytest.approx(dim * STEEL.rho * volume, rel=1e-13)
     assert {n: each.area for n, each in part.surfaces.items()} == pytest.approx(areas, rel=1e-13)
     assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
@@ -191,14 +178,7 @@ def test_ventilated_discs_have_their_volume_and_areas(disc):
 
 
 @pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("bore", 0.0),
-        ("holes", -1),
-        ("hole_radius", 0.031),
-        ("vanes", 0),
-        ("vane_width", 0.038),
-    ],
+    ("field", "value"), [("bore", 0.0), ("hole_radius", 0.031), ("vanes", 0), ("vane_width", 0.038)]
 )
 def test_ventilated_discs_that_cannot_be_are_refused(field, value):
     with pytest.raises(InputError) as caught:

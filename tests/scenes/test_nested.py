@@ -11,7 +11,6 @@ from mpi import on_ranks
 from nested_scenes import apart_from_richer, coarse_modes, paired, parallel_numbers
 from reference_data import exact, stored, whole_ring
 
-from cea.eigen import mumps
 from cea.errors import InputError
 from comparisons.converge.bars import splitting
 from exact_cea.reference import exact_eigenvalues
@@ -29,7 +28,7 @@ CRITICAL, DOUBLE = float(COALESCENCE["mu_c"]), -float(COALESCENCE["lam2"])
 
 @pytest.mark.parametrize(
     ("backend", "by", "degree", "name"),
-    covering(BACKENDS, ("bisection", "degree"), (2, 3), ("blocks", "drum")),
+    covering(BACKENDS, ("bisection", "degree"), (2, 3), ("blocks", "drum"), strength=1),
 )
 def test_estimates_are_nearly_the_true_errors(backend, by, degree, name):
     """Bisection leaves 2^-2q of the error, a degree more less."""
@@ -43,15 +42,6 @@ def test_estimates_are_nearly_the_true_errors(backend, by, degree, name):
     assert np.abs(effectivity - expected).max() < 0.015
     left = np.abs(estimate.corrected - values)[inside] / true
     assert left.max() < 1.05 * (1 - expected) + 0.015
-
-
-def test_an_estimate_for_which_memory_would_not_do_is_refused(backend, monkeypatch):
-    """Its factors cannot be on disk, whatever room there is."""
-    coarse = coarse_modes("blocks", backend, 2, HIGHEST["blocks"])
-    richer = richer_scene(coarse.scene, "degree")
-    monkeypatch.setattr(mumps, "free_memory", lambda comm: 1e6)
-    with pytest.raises(InputError, match="a mesh that fits into memory"):
-        estimate_errors(coarse, richer)
 
 
 @pytest.mark.slow
@@ -70,7 +60,7 @@ def test_estimates_of_a_solid_ring(backend):
     assert np.abs(effectivity - 1).max() < 0.12
 
 
-RULES = ("method='gpts', points=6", "method='gpts', points=3", "method='segments'")
+RULES = ("method='gpts', points=3", "method='segments'")
 
 
 @pytest.mark.parametrize(("backend", "formulation"), covering(BACKENDS, RULES, strength=1))
@@ -89,7 +79,10 @@ def mu_of(value):
     return [f'contacts.interface.mu="{value!r}*sin(pi*x/2)"']
 
 
-@pytest.mark.parametrize(("backend", "factor"), [("fe", 1.0), ("iga", 1.02), ("fe", 0.98)])
+@pytest.mark.parametrize(
+    ("backend", "factor"),
+    [("fe", 1.0), ("iga", 1.02), pytest.param("fe", 0.98, marks=pytest.mark.slow)],
+)
 def test_near_a_coalescence_mean_and_splitting_are_corrected(backend, factor):
     mu = factor * CRITICAL
     estimate = estimate_errors(coarse_modes("blocks", backend, 2, 3.2, mu_of(mu)))
@@ -131,9 +124,7 @@ def mass_damping(alpha):
 SEEN = (
     [],
     DAMPED,
-    mu_of(0.6),
     mu_of(0.0) + mass_damping(1.0),
-    mu_of(0.98 * CRITICAL) + mass_damping(1e-3),
     mu_of(CRITICAL),
     mu_of(1.02 * CRITICAL) + mass_damping(0.1),
 )
@@ -176,17 +167,10 @@ def test_the_richer_scene_keeps_all_but_the_spaces():
     scene = load_scene(Path("disc_pad"))
     for by in ("degree", "bisection", "smooth"):
         richer = richer_scene(scene, by)
-        back = {name: replace(b, mesh=scene.bodies[name].mesh) for name, b in richer.bodies.items()}
-        assert replace(richer, bodies=back) == scene
-        assert all(richer.bodies[name].mesh != b.mesh for name, b in scene.bodies.items())
-
-
-def test_errors_of_a_result_without_left_vectors_are_those_with_them(backend):
-    scene = coarse_modes("blocks", backend, 2, 2.0, elements=FEW).scene
-    plain, with_left = run_modes(scene), run_modes(scene, left=True)
-    assert plain.modes.left is None
-    found, expected = estimate_errors(plain), estimate_errors(with_left)
-    assert found.corrected == pytest.approx(expected.corrected, rel=1e-9)
+        bodies = {
+            name: replace(richer.bodies[name], mesh=b.mesh) for name, b in scene.bodies.items()
+        }
+        assert replace(richer, bodies=bodies) == scene != richer
 
 
 SIZED = ["bodies.upper.mesh.fe={cell='triangle', degree=1, size=0.5}"]
@@ -196,7 +180,6 @@ SIZED = ["bodies.upper.mesh.fe={cell='triangle', degree=1, size=0.5}"]
     ("changes", "by", "told"),
     [
         ([], "smooth", "by = 'smooth': 'degree' or 'bisection' for Lagrange"),
-        ([], "p", "by = 'p': 'degree' or 'bisection' or 'smooth'"),
         (["bodies.upper.mesh.fe.degree=4"], "degree", r"upper.mesh.degree = 4: below 4"),
         (SIZED, "bisection", r"upper.mesh.fe.size = 0.5: left out"),
     ],

@@ -113,9 +113,8 @@ def saddle():
 
 KINDS = {
     **{name: partial(blocks, contact=name) for name in FORMULATIONS},
-    **{f"static {name}": partial(static_blocks, contact=name) for name in FORMULATIONS},
+    **{f"static {name}": partial(static_blocks, contact=name) for name in ("gpts", "tied mortar")},
     "without friction": partial(blocks, mu=0.0),
-    "static without friction": partial(static_blocks, mu=0.0),
     "overhanging": overhanging,
     "single point": single_point,
     "column": column,
@@ -182,7 +181,7 @@ def cases():
     for ranks in (2, 3):
         for i, kind in enumerate(KINDS):
             for j, backend in enumerate(("fe", "iga")):
-                quick = (i + j) % 2 == 0 and (ranks == 2 or i % 8 == 0)
+                quick = (i + j) % 2 == 0 and (ranks == 2 or i % 7 == 0)
                 yield pytest.param(ranks, backend, kind, marks=() if quick else slow)
 
 
@@ -205,6 +204,7 @@ def test_answers_do_not_depend_on_the_number_of_ranks(ranks, backend, kind):
     assert asymmetry == expected.pop("asymmetry") == [0.0] * len(asymmetry)
     if "im" in expected:
         assert len(expected["im"]) >= 3
+        assert kind != "disc and pad" or max(expected["re"]) > 100
         worst = 1e-9 if kind == "disc and pad" else 1e-7
         assert found.pop("worst_residual") < worst > expected.pop("worst_residual")
         assert_same_eigenvalues(found, expected)
@@ -226,34 +226,21 @@ def test_forces_on_ranks_without_displacements(ranks):
         assert sorted(found[name]) == pytest.approx(sorted(values), rel=1e-9, abs=1e-12)
 
 
-def test_the_disc_and_pad_flutters_on_coarse_meshes(backend):
-    assert max(on_ranks(1, case, backend, "disc and pad")["re"]) > 100
-
-
 def test_command_line_prints_and_writes_once(tmp_path):
-    command = ["run", "patch_test", "--set", "contacts.interface.formulation.points=3"]
-    done = cea_on_ranks(2, *command, "--set", "analysis.samples=4", "--out", tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("result.json") == 1
-    assert done.stdout.count("side b") == 1
-    (tmp_path / "mode_1.png").write_text("mine")
-    more = ["--set", "analysis.samples=4", "--set", "output.paraview=1"]
-    for arguments, files in ((more, {"displacement.pvd"}), (more[:2], set())):
-        done = cea_on_ranks(2, *command, *arguments, "--out", tmp_path)
+    command, found = ["run", "patch_test", "--set", "output.paraview=1"], []
+    for setting in ("contacts.interface.formulation.points=3", "analysis.samples=4"):
+        command += ["--set", setting]
+    for ranks in (2, 1):
+        out = tmp_path / str(ranks)
+        done = cea_on_ranks(ranks, *command, "--out", out)
         assert done.returncode == 0, done.stderr
-        found = {path.name for path in tmp_path.glob("*") if path.is_file()}
-        assert found - {"contacts.pvd"} == {"manifest.json", "mode_1.png", "result.json"} | files
-    alone = cea_on_ranks(1, *command, "--set", "analysis.samples=4", "--out", tmp_path / "alone")
-    assert alone.returncode == 0, alone.stderr
-    together, single = (
-        json.loads((folder / "result.json").read_text())
-        for folder in (tmp_path, tmp_path / "alone")
-    )
-    for result in (together, single):
-        del result["timings"], result["seconds"]
-    assert_same(together["stresses"], single["stresses"])
-    assert_same(together["contacts"], single["contacts"])
-    assert together.keys() == single.keys()
+        assert done.stdout.count("result.json") == done.stdout.count("side b") == 1
+        written = {path.name for path in out.glob("*") if path.is_file()} - {"contacts.pvd"}
+        assert written == {"manifest.json", "result.json", "displacement.pvd"}
+        found.append(json.loads((out / "result.json").read_text()))
+    assert found[0].keys() == found[1].keys()
+    for part in ("stresses", "contacts"):
+        assert_same(found[0][part], found[1][part])
 
 
 @pytest.mark.parametrize(
@@ -261,7 +248,6 @@ def test_command_line_prints_and_writes_once(tmp_path):
     [
         (["patch_test", "--set", "analysis.foo=3"], "error: analysis.foo = "),
         (["patch_test", "--set", "contacts.interface.a=upper.x_min"], "error: contacts.interface"),
-        (["patch_test", "--no-such-option"], "No such option"),
     ],
 )
 def test_faults_of_all_ranks_are_told_once(arguments, told, tmp_path):

@@ -73,24 +73,10 @@ def test_a_gap_is_refused_in_metres_and_closed_by_a_tolerance():
         np.testing.assert_allclose(found, whole, rtol=1e-6)
 
 
-def test_patches_whose_parameters_run_otherwise_are_joined():
-    found, whole = (frequencies(each, 2, [4, 4]) for each in (TURNED, halves()))
-    np.testing.assert_allclose(found, whole, rtol=1e-9)
-
-
-TURNED = patches(
-    square([0, 0], [0.05, 0.03]),
-    {  # the right half, its parameters swapped and one reversed
-        "degrees": [1, 1],
-        "knots": [[0, 0, 2, 2], LINE],
-        "control_points": [[[0.1, 0.03], [0.05, 0.03]], [[0.1, 0.0], [0.05, 0.0]]],
-    },
-)
 WHOLE = square([0, 0], [0.1, 0.03])
 MIRRORED = WHOLE | {"control_points": WHOLE["control_points"][::-1]}
 QUARTERS = annulus(0.06, 0.1, quarters=True)
 TWICE = {
-    "twice": patches(WHOLE, WHOLE),
     "mirrored": patches(WHOLE, MIRRORED),
     "quarters": QUARTERS | {"patches": [*QUARTERS["patches"], QUARTERS["patches"][2]]},
 }

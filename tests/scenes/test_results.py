@@ -2,16 +2,16 @@
 
 import json
 import os
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from math import inf
 
 import numpy as np
 import pytest
-from blocks import two_blocks
+from blocks import coarse, two_blocks
 from motions import mode_displacement
 from scipy.linalg import eigvals
 
-from cea.errors import InputError, WriteError
+from cea.errors import InputError
 from scenes import open_result, read_scene, run_modes, run_static, save_result
 from scenes.results.folder import MANIFEST, RESULT, check_out, listed, new_folder
 from scenes.results.record import commit, read_record, record, write_record
@@ -22,7 +22,7 @@ MU = "contacts.interface.mu"
 
 @pytest.fixture(scope="module", params=["fe", "iga"])
 def result(request):
-    return run_modes(read_scene(two_blocks(request.param, GPTS, held=True)))
+    return run_modes(read_scene(coarse(two_blocks(request.param, GPTS, held=True))))
 
 
 @pytest.mark.parametrize("chosen", [None, [2, 0], np.array([1])])
@@ -60,21 +60,12 @@ def test_matrices_have_the_eigenvalues(result):
     assert inside.sum() == len(result.modes)
 
 
-def test_bodies_of_other_names_are_refused(result):
-    """As long as nobody knows what they were made of."""
-    own = {name: replace(body, made_of=None) for name, body in result.bodies.items()}
-    with pytest.raises(InputError, match=r"bodies = \['UPPER', 'lower'\]"):
-        run_modes(result.scene, bodies={"UPPER": own["upper"], "lower": own["lower"]})
-
-
 @pytest.mark.grid
 @pytest.mark.parametrize(
     ("change", "reused"),
     [
         ({"contacts.interface.P": 5.0, MU: 0.2}, {"upper", "lower"}),
-        ({"bodies.upper.damping": {"alpha": 0.1}}, {"upper", "lower"}),
         ({"bodies.upper.material.nu": 0.2}, {"lower"}),
-        ({"bodies.lower.material.E": 3.0}, {"upper"}),
         ({"bodies.upper.springs": [{"surface": "x_min", "stiffness": [1.0] * 3}]}, {"lower"}),
     ],
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else None,
@@ -90,35 +81,19 @@ def test_what_the_scene_makes_of_the_same_is_used_again(result, change, reused):
 # Records: whole or not at all, with what made them, and opened again as results.
 
 
-def test_a_result_that_was_read_back_refuses_what_it_cannot_know(result, tmp_path):
-    opened = open_result(save_result(result, tmp_path / "result.json"))
-    for asked, field in (
-        (lambda: opened.mode_shapes("upper"), "system"),
-        (lambda: save_result(opened, tmp_path / "again.json"), "result"),
-    ):
-        with pytest.raises(InputError) as refused:
-            asked()
-        assert refused.value.field == field
-
-
 def test_modes_open_as_they_were(backend, tmp_path):
     data = two_blocks(backend, GPTS, held=True, P=inf)
     data["contacts"]["interface"]["form"] = "saddle"
     result = run_modes(read_scene(data))
     opened = open_result(save_result(result, tmp_path / "sub" / "result.json"))
     assert opened.scene == result.scene
-    assert inf == opened.scene.contacts["interface"].P
     for name in ("eigenvalues", "frequencies", "growth_rates", "unstable"):
         np.testing.assert_array_equal(getattr(opened, name), getattr(result, name))
     for name in ("residuals", "conditions", "growth_uncertainties"):
         np.testing.assert_array_equal(getattr(opened.modes, name), getattr(result.modes, name))
     assert asdict(opened.modes.window) == asdict(result.modes.window)
-    assert opened.modes.window.evidence == result.modes.window.evidence
     assert opened.table() == result.table()
-    assert str(opened) == str(result)
     assert opened.dofs == result.system.size
-    assert opened.timer.seconds == result.timer.seconds
-    assert opened.record["seconds"] == result.timer.total
     assert opened.skipped == result.skipped
     with pytest.raises(InputError, match="a fresh run"):
         opened.matrices()
@@ -137,27 +112,19 @@ def test_a_static_run_opens_with_its_stresses(tmp_path):
         np.testing.assert_array_equal(found.sigma_n_along, stress.sigma_n_along)
 
 
-@pytest.mark.parametrize("name", ["result.json", "result.json.gz"])
-def test_any_record_is_read_as_it_was_written(name, tmp_path):
+def test_any_record_is_read_as_it_was_written(tmp_path):
     data = {"numbers": [1, 2.5, inf, -inf, None], "words": {"a": "b"}}
     made = record("count", data, inputs={"n": 3}, seconds=1.5, warnings=[{"kind": "few"}])
-    assert read_record(write_record(made, tmp_path / name)) == made
+    assert read_record(write_record(made, tmp_path / "r.json")) == made
     assert {"python", "petsc", "numpy"} <= set(made["versions"])
     assert (made["command"], made["commit"]) == ("count", commit())
     with pytest.raises(InputError, match="a stored result"):
-        open_result(tmp_path / name)
+        open_result(tmp_path / "r.json")
 
 
 @pytest.mark.parametrize(
     ("name", "content"),
-    [
-        ("r.json", None),
-        ("r.json", b""),
-        ("r.json", b"{"),
-        ("r.json", b"[1]"),
-        ("r.json", b'{"eigenvalues": []}'),
-        ("r.json.gz", b"\x1f\x8b broken"),
-    ],
+    [("r.json", None), ("r.json", b"{"), ("r.json", b"{}"), ("r.json.gz", b"\x1f\x8b broken")],
 )
 def test_what_is_no_record_is_refused(content, name, tmp_path):
     file = tmp_path / name
@@ -216,9 +183,6 @@ def test_a_list_names_no_files_outside_its_folder(tmp_path):
     (out / MANIFEST).write_text(json.dumps({"files": ["../victim", str(victim), "a/../../victim"]}))
     fill(out, {})
     assert victim.exists()
-    for i, broken in enumerate(("", "[]", '{"files": 3}', '{"files": [3]}')):
-        (out / MANIFEST).write_text(broken)
-        assert fill(out, {"a": str(i)}) == ([f"a.kept{i}"] if i else [])
 
 
 def test_what_fails_leaves_the_earlier_result(tmp_path):
@@ -226,9 +190,6 @@ def test_what_fails_leaves_the_earlier_result(tmp_path):
     before = {file: file.read_bytes() for file in tmp_path.rglob("*")}
     with pytest.raises(TypeError, match="must be str"):
         fill(tmp_path, {"mode_1.png": "half", "mode_2.png": b"no text"})
-    with pytest.raises(WriteError) as caught, new_folder(tmp_path) as new:
-        raise WriteError(f"{new.part}/mode_1.png cannot be written: no space")
-    assert str(caught.value) == f"{tmp_path}/mode_1.png cannot be written: no space"
     assert {file: file.read_bytes() for file in tmp_path.rglob("*")} == before
 
 
@@ -238,12 +199,8 @@ def test_folders_that_cannot_take_a_result_are_refused(tmp_path):
     for out in (file, file / "inside", file / "inside" / "deeper", tmp_path / ("x" * 300)):
         with pytest.raises(InputError, match=r"out = .*a folder to write to"):
             check_out(out)
-    for content_of_it in ("mine", "{}", '{"command": "run"}', None):
-        (tmp_path / RESULT).unlink(missing_ok=True)
-        if content_of_it is None:
-            (tmp_path / RESULT).mkdir()
-        else:
-            (tmp_path / RESULT).write_text(content_of_it)
+    for content_of_it in ("mine", "{}", '{"command": "run"}'):
+        (tmp_path / RESULT).write_text(content_of_it)
         with pytest.raises(InputError, match=r"out = .*a folder without a result\.json"):
             check_out(tmp_path)
     assert file.read_text() == "mine"

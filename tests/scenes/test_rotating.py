@@ -6,7 +6,6 @@ from blocks import alone, scene_body
 from damped_numbers import damped_disc, modally_damped_disc
 from pressed import pressed_blocks
 from scipy.integrate import solve_bvp
-from scipy.special import jv, jvp, yv, yvp
 
 from comparisons.stability.dense import dense_eigenvalues
 from scenes import SceneError, read_scene, run_modes, run_static
@@ -14,27 +13,22 @@ from scenes import SceneError, read_scene, run_modes, run_static
 DISCS = {"Rayleigh": damped_disc, "modal": modally_damped_disc}
 
 
-@pytest.mark.parametrize("damping", DISCS)
+@pytest.mark.parametrize("damping", ["Rayleigh", pytest.param("modal", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("backend", "form"), [("iga", "saddle"), pytest.param("fe", "penalty", marks=pytest.mark.slow)]
 )
 def test_modes_are_those_of_dense_matrices(backend, form, damping):
     data = DISCS[damping](backend, form=form)
-    modes, dense = run_modes(read_scene(data)).modes, dense_eigenvalues(data)
-    window = modes.window
+    result, dense = run_modes(read_scene(data)), dense_eigenvalues(data)
+    window = result.modes.window
     inside = (dense.imag <= 2 * np.pi * window.max_frequency) & (dense.real >= window.min_growth)
     assert inside.sum() > 5
-    found, expected = np.sort_complex(modes.eigenvalues), np.sort_complex(dense[inside])
+    found, expected = np.sort_complex(result.eigenvalues), np.sort_complex(dense[inside])
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
-
-
-def test_matrices_are_named():
-    matrices = run_modes(read_scene(damped_disc("iga"))).matrices()
-    assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "K_c", "L", "N", "J"]
-    C, Y, K_c = (matrices[name].toarray() for name in ("C", "Y", "K_c"))
-    assert (C == C.T).all()
-    assert (Y == -Y.T).all()
-    assert (K_c == -K_c.T).all()
+    for name, sign in (("C", 1), ("Y", -1), ("K_c", -1)):
+        if name in result.matrices():  # no circulatory matrix of modal damping
+            matrix = result.matrices()[name].toarray()
+            assert (matrix == sign * matrix.T).all()
 
 
 def test_the_pressure_is_that_of_steady_sliding(backend):
@@ -57,7 +51,7 @@ def test_the_pressure_is_that_of_steady_sliding(backend):
     assert shift.T @ C @ shift == pytest.approx(expected, rel=1e-10, abs=1e-12 * force)
 
 
-E, NU, RHO, INNER, OUTER, PRESSURE, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 1e-3, 0.9
+E, NU, RHO, INNER, OUTER, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 0.9
 LAMBDA, MU = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
 MATERIAL = {"E": E, "nu": NU, "rho": RHO}
 
@@ -71,6 +65,7 @@ def ring(backend, radii, elements, material=MATERIAL, max_frequency=None, **sect
     )
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize(("part", "told"), [(0.75, False), (1.2, True)])
 def test_a_rim_that_outruns_surface_waves_is_warned_of(backend, part, told):
     """Waves of the mesh that the exact ring does not have grow beyond it; below none does."""
@@ -85,40 +80,6 @@ def test_a_rim_that_outruns_surface_waves_is_warned_of(backend, part, told):
     assert (result.eigenvalues.real.max() > 1e3) == told
     if told:
         assert found[0].data["speed"] == pytest.approx(part * found[0].data["wave_speed"], rel=0.01)
-
-
-def widened_ring(rate):
-    """Largest displacement of a ring under pressure that rotates, in plane strain: exact waves.
-
-    (lambda + 2 mu) (u'' + u'/r - u/r^2) + rho Omega^2 u = 0, the pressure on the inside.
-    """
-    k = rate * np.sqrt(RHO / (LAMBDA + 2 * MU))
-
-    def stress(f, df, r):
-        return (LAMBDA + 2 * MU) * k * df(1, k * r) + LAMBDA * f(1, k * r) / r
-
-    rows = [[stress(jv, jvp, r), stress(yv, yvp, r)] for r in (INNER, OUTER)]
-    A, B = np.linalg.solve(rows, [-PRESSURE, 0.0])
-    return A * jv(1, k * INNER) + B * yv(1, k * INNER)
-
-
-def test_static_displacement_under_pressure_is_exact(backend):
-    """Of a ring that widens as it rotates: centrifugal forces grow with its radius."""
-    sizes = []
-    for rate in (0.3, 0.6):
-        data = ring(
-            backend,
-            (INNER, OUTER),
-            [2, 20],
-            supports=[{"surface": "inner", "components": ["circumferential"]}],
-            rotation={"rate": rate, "convective_stiffness": True},
-        )
-        data["loads"] = [{"surface": "part.inner", "pressure": PRESSURE}]
-        result = run_static(read_scene(data))
-        points = result.bodies["part"].surfaces["inner"].gauss_points(3)
-        sizes.append(np.linalg.norm(result.displacements("part.inner", points.at), axis=1))
-        np.testing.assert_allclose(sizes[-1], widened_ring(rate), rtol=2e-5)
-    assert sizes[1].mean() > 1.1 * sizes[0].mean()
 
 
 CASES = [

@@ -7,16 +7,8 @@ import pytest
 from blocks import alone, rectangle, scene_body
 from covering import covering
 
-from comparisons.accuracy.problems import PROBLEMS
-from comparisons.accuracy.study import STUDY, uses
-from comparisons.study.result import read
-from scenes import inspect_scene, load_scene, read_scene, run_modes, run_scene
-from scenes.checking.warnings import (
-    _INCOMPRESSIBLE,
-    doubtful_numbers,
-    point_rule,
-    warnings_of,
-)
+from scenes import inspect_scene, load_scene, read_scene, run_modes, run_scene, run_static
+from scenes.checking.warnings import doubtful_numbers, warnings_of
 from scenes.running.system import coupled
 
 SEGMENTS, MORTAR = {"method": "segments"}, {"method": "mortar"}
@@ -97,54 +89,26 @@ def locking_error(backend, degree, nu):
     return np.abs(found / exact_frequencies(nu) - 1).max()
 
 
-@pytest.mark.parametrize(("elements", "limit"), _INCOMPRESSIBLE.items())
+@pytest.mark.parametrize(("elements", "limit"), [(("fe", 2), 0.499), (("iga", 2), 0.495)])
 def test_volumetric_locking_is_told_where_it_is_measured(elements, limit):
     known, below = locking_error(*elements, 0.3), limit - 0.5 * (0.5 - limit)
-    assert locking_error(*elements, limit) > max(0.02, (10 if elements[1] > 1 else 2.5) * known)
+    assert locking_error(*elements, limit) > max(0.02, 10 * known)
     assert told(cantilever(*elements, limit))["volumetric-locking"]["nu"] == limit
     assert told(cantilever(*elements, below)) == {}
 
 
-RULES = {
-    "Greville": {"method": "greville"},
-    "Greville, area": {"method": "greville", "weights": "area"},
-    "Botella": {"method": "botella"},
-    "Botella, area": {"method": "botella", "weights": "area"},
-    "grid": {"method": "grid", "points": 33},
-    "node-to-surface": {"method": "node_to_surface"},
-    "node-to-surface, tributary": {"method": "node_to_surface", "weights": "tributary"},
-    "GPTS, lumped": {"method": "gpts", "points": 4, "lumped": True},
-    "GPTS": {"method": "gpts", "points": 4},
-}
-ACCURATE = ("GPTS", "node-to-surface, tributary")
-
-
-@cache
-def contacts_of(name, backend):
-    """Contacts of a scene as it comes; their relative stiffness does not depend on the rule."""
-    return coupled(load_scene(name, backend=backend))[0].contacts
-
-
-@pytest.mark.parametrize("rule", RULES)
-def test_point_rules_are_told_where_the_study_found_them_too_crude(rule):
-    """Errors of growth rates of 2 % and more, where the yardstick has less than half of that."""
-    crude = 0
-    rows = uses(read(STUDY.name, STUDY.shipped))
-    rows = rows[(rows["rule"] == rule) & (rows["degree"] == 2) & (rows["growth_worst"] > 0)]
-    # Too many points for stiff, coarse meshes in space lock: that is another warning.
-    rows = rows.query("not (problem == 'drum_3d' and p == 1000.0)")
-    rows = rows.query("not (problem == 'ring' and backend == 'fe')")
-    for row in rows.to_dict("records"):
-        problem, backend = row["problem"], row["backend"]
-        contact = {"formulation": RULES[rule], "p": row["p"] * PROBLEMS[problem].unit}
-        contact = {f"contacts.interface.{name}": value for name, value in contact.items()}
-        scene = load_scene(problem, backend=backend).change(contact)
-        warned = list(point_rule(scene, "interface", contacts_of(problem, backend)))
-        if row["growth_worst"] > max(0.02, 2 * row["floor"]):
-            crude += 1
-            assert warned, row
-        assert not warned or rule not in ACCURATE, row
-    assert bool(crude) == (rule not in ACCURATE)
+def test_point_rules_are_told_where_they_are_too_crude(backend):
+    """Collocation where contact is soft, lumping where it is stiff or on splines; GPTS nowhere."""
+    nodes = {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]}
+    gpts = {"method": "gpts", "points": 4}
+    lumped = gpts | {"lumped": True}
+    for formulation, crude in (
+        (nodes, [True, False]),
+        (lumped, [backend == "iga", True]),
+        (gpts, [False, False]),
+    ):
+        found = [told(blocks(backend, formulation=formulation, p=p)) for p in (1.0, 1e3)]
+        assert ["point-rule" in each for each in found] == crude
 
 
 def test_modes_too_short_for_their_mesh_are_named(backend):
@@ -162,47 +126,15 @@ def test_modes_too_short_for_their_mesh_are_named(backend):
     assert errors[short].mean() > 5 * errors[~short].mean()
 
 
-# Closed zones that end inside a contact need elements across, the more the stiffer the law.
-
-
-def crowned_pad(backend, refined, formulation):
-    """A crowned pad on a bar, with friction; the closed zone is half as wide as the pad."""
-    sides = [{"surface": name, "components": ["x"]} for name in ("x_min", "x_max")]
-    soft, hard = ({"E": E, "nu": 0.3, "rho": 2500.0} for E in (5e9, 1e10))
-    pad = rectangle(backend, [0.04, 0.02], [8 * refined, 3], origin=[0.0, 0.02], material=soft)
-    crown = {"shape": "crowned", "base": pad["geometry"], "surface": "y_min", "radii": {"x": 8.0}}
-    bar = rectangle(backend, [0.1, 0.02], [13 * refined, 2], origin=[-0.03, 0.0], material=hard)
-    bodies = {
-        "pad": pad | {"geometry": crown, "supports": sides},
-        "bar": bar | {"supports": [{"surface": "y_min"}]},
-    }
-    contact = {"a": "pad.y_min", "b": "bar.y_max", "formulation": formulation, "reach": 1e-4}
-    contact |= {"c_n": 1e19, "m_n": 1.5, "mu": 0.4, "friction_direction_on_a": {"vector": [1, 0]}}
-    return read_scene(
-        {
-            "name": "crowned",
-            "bodies": bodies,
-            "contacts": {"s": contact},
-            "loads": [{"surface": "pad.y_max", "pressure": 1e6}],
-            "analysis": {"kind": "cea", "max_frequency": 12000.0},
-        }
-    )
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize("formulation", [SEGMENTS, MORTAR])
-def test_too_few_elements_for_a_stiff_law_are_told(formulation, backend):
-    """The finer mesh knows of an unstable mode that the coarse one of splines does not."""
-    coarse, fine = (run_modes(crowned_pad(backend, refined, formulation)) for refined in (1, 3))
+def test_too_few_elements_for_a_stiff_law_are_told(backend):
+    """Of Hertz contact, whose closed zone is known and whose scene has enough of them."""
+    scene, even = load_scene("hertz_cylinder", backend=backend), scene_body(backend, {}, [30, 12])
+    meshes = {f"bodies.{name}.mesh": even["mesh"] for name in scene.bodies}
+    coarse = run_static(scene.change(meshes))
     (data,) = (w.data for w in coarse.warnings if w.kind == "coarse-closed-zone")
-    assert data["contact"] == "s"
     assert data["elements"] < data["needed"]
-    width = 0.04 * coarse.steady.contacts["s"].closed_fraction
-    assert data["width"] == pytest.approx(width, rel=0.5)
-    assert "coarse-closed-zone" not in kinds(fine.warnings)
-    assert fine.growth_rates.max() > 2500
-    if backend == "iga":
-        assert coarse.verdict == "stable"
+    assert data["width"] == pytest.approx(2 * 0.016676, rel=0.5)
+    assert "coarse-closed-zone" not in kinds(run_static(scene).warnings)
 
 
 # Doubts about numbers, motions or places that are unlikely to be meant come with every run.
@@ -220,15 +152,6 @@ def doubts_of_both(data):
     found = kinds(run_scene(read_scene(data)).warnings)
     assert kinds(inspect_scene(read_scene(data)).warnings) == found
     return found
-
-
-def test_steel_in_tonnes_and_millimetres_is_told_by_every_run(backend):
-    """Its speed of sound would be sqrt(2.1e5 / 7.85e-9) = 5.17e6 m/s."""
-    data = bar(backend, TONNES, max_frequency=2e6)
-    assert doubts_of_both(data) == ["doubtful-units"]
-    (warning,) = doubtful_numbers(read_scene(data))
-    assert warning.data["value"] == pytest.approx(5.172e6, rel=1e-3)
-    assert doubts_of_both(bar(backend)) == []
 
 
 def pulled(backend, strain):
@@ -252,17 +175,9 @@ def test_displacements_larger_than_the_body_are_told(backend):
         assert kinds(run_scene(read_scene(data)).warnings) == expected
 
 
-@pytest.mark.parametrize(
-    ("shift", "overlap"),
-    [
-        ((0.0, 0.01), True),
-        ((0.1, -0.01), True),
-        ((0.0, 0.02), False),  # they touch
-        ((0.2, 0.0), False),
-        ((0.0, 0.03), False),
-    ],
-)
+@pytest.mark.parametrize(("shift", "overlap"), [((0.1, -0.01), True), ((0.0, 0.02), False)])
 def test_bodies_that_overlap_without_a_contact(shift, overlap, backend):
+    """Those that touch do not."""
     data = bar(backend)
     geometry = {"shape": "rectangle", "size": [0.2, 0.02], "origin": list(shift)}
     data["bodies"]["other"] = data["bodies"]["part"] | {"geometry": geometry}
@@ -282,14 +197,14 @@ def test_a_body_in_the_hole_of_another_does_not_overlap(bore, overlap, backend):
 
 def test_scenes_without_units_say_so_once_and_are_left_alone(backend):
     loads = [{"surface": "part.x_max", "pressure": 1e3}]
-    given = {"size": (200.0, 20.0), "loads": loads, "max_frequency": None}
     for data in (
-        bar(backend, {"E": 1.0, "rho": 1.0}, **given),
-        bar(backend, TONNES, size=(200.0, 20.0), units="other"),
+        bar(backend, {"E": 1.0, "rho": 1.0}, (200.0, 20.0), None, loads=loads),
+        bar(backend, TONNES, (200.0, 20.0), units="other"),
     ):
         result = run_scene(read_scene(data))
         assert result.warnings == ()
         assert "doubts of units" in result.skipped
-    found = doubtful_numbers(result.scene.change("units", "SI"))
+    found = list(doubtful_numbers(result.scene.change("units", "SI")))
     assert kinds(found) == ["doubtful-units", "doubtful-size"]
-    assert "doubts of units" not in pulled(backend, 0.01).skipped
+    assert found[0].data["value"] == pytest.approx(np.sqrt(TONNES["E"] / TONNES["rho"]), rel=1e-3)
+    assert doubts_of_both(bar(backend, TONNES, max_frequency=2e6)) == ["doubtful-units"]
