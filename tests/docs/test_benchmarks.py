@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from comparisons.cli.exact import app
+from exact_cea.lumped import hoffmann_threshold, hulten_threshold
 
 TEXT = (Path(__file__).parents[2] / "docs" / "benchmarks.md").read_text(encoding="utf-8")
 LISTS = re.findall(r"^    \$ cea exact (.*)\n((?: +[-0-9.]+ +[-0-9.]+\n)+)", TEXT, re.MULTILINE)
@@ -49,3 +50,13 @@ def test_eigenvalues_are_those_of_the_command(command, rows):
             # Half a unit of the last digit that is written.
             unit = 10.0 ** -len(text.partition(".")[2])
             assert abs(float(text) - float(value)) <= 0.51 * unit
+
+
+def test_closed_forms_in_the_text_are_those_of_the_program():
+    (mu_c,) = re.findall(r"4 k12 k3\) = ([\d.]+)\.\n", TEXT)
+    assert float(mu_c) == float(hoffmann_threshold())
+    (mu_c,) = re.findall(r"sqrt\(k1 k2\)\) = ([\d.]+)\.\n", TEXT)
+    assert float(mu_c) == pytest.approx(float(hulten_threshold()[0]), abs=5e-13)
+    ((mu_c, square),) = re.findall(r"to mu_c = ([\d.]+), at omega\^2 = ([\d.]+):", TEXT)
+    damped = hulten_threshold(c1="0.02", c2="0.1")
+    assert [float(mu_c), float(square)] == pytest.approx([float(x) for x in damped], rel=5e-12)

@@ -192,3 +192,11 @@ def test_points_inside_and_on_common_facets_are_found(layered):
     assert miss.max() <= 1e-12
     assert layered.positions(cell, found) == pytest.approx(x, abs=1e-13)
     assert found[:150] == pytest.approx(xi[:150], abs=1e-9)
+
+
+def test_points_of_no_cell_are_left_aside():
+    square = [[0, 0], [77.0, 0], [1, 0], [0, 1], [1, 1]]
+    mesh = Mesh("quadrilateral", 1, square, [[0, 3, 2, 4]], {"low": [[0, 2]]})
+    body = body_of(mesh, 2, comm=MPI.COMM_SELF)
+    assert body.num_scalar_dofs == 9
+    assert body.surfaces["low"].area == pytest.approx(1.0)

@@ -185,3 +185,9 @@ def test_a_threshold_with_the_state_sought_anew(backend):
     above = growth(followed.value + step)
     assert above > 1e-5
     assert growth(followed.value + 4 * step) == pytest.approx(2 * above, rel=1e-2)
+
+
+def test_where_cutting_does_not_help_the_part_of_the_load_is_told(backend, refuse):
+    refuse(lambda factor: factor > 0.5)
+    with pytest.raises(ConvergenceError, match=r"at 0\.50\d of the load"):
+        stepped(backend, 4)

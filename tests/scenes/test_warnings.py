@@ -208,3 +208,12 @@ def test_scenes_without_units_say_so_once_and_are_left_alone(backend):
     assert kinds(found) == ["doubtful-units", "doubtful-size"]
     assert found[0].data["value"] == pytest.approx(np.sqrt(TONNES["E"] / TONNES["rho"]), rel=1e-3)
     assert doubts_of_both(bar(backend, TONNES, max_frequency=2e6)) == ["doubtful-units"]
+
+
+def test_steel_in_tonnes_and_millimetres_is_told_by_every_run(backend):
+    """Its speed of sound would be sqrt(2.1e5 / 7.85e-9) = 5.17e6 m/s."""
+    data = bar(backend, TONNES, max_frequency=2e6)
+    assert doubts_of_both(data) == ["doubtful-units"]
+    (warning,) = doubtful_numbers(read_scene(data))
+    assert warning.data["value"] == pytest.approx(5.172e6, rel=1e-3)
+    assert doubts_of_both(bar(backend)) == []
