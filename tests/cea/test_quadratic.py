@@ -24,6 +24,7 @@ from cea.reduced.full_solves import first_threshold
 GPTS = {"method": "gpts", "points": 3}
 TOP = 1.0
 """End of the windows of the two blocks (Hz)."""
+slow = pytest.mark.slow
 
 
 def by_size(values):
@@ -147,28 +148,26 @@ def test_ends_of_windows_are_checked(name, value):
         solve_modes(hulten(0.1, 0.1), **{"max_frequency": 1.0} | {name: value})
 
 
-def damped_disc():
+def damped_disc(form):
     """Modes of a damped disc that rotates under a damped pad, which slides."""
-    found = {}
-    for form in ("penalty", "saddle"):
-        pencil = assemble(modally_damped_disc("iga", form=form)).pencil()
-        modes = solve_modes(pencil, 0.3, options=KrylovOptions(dense_limit=0), left=True)
-        found |= {
-            f"re {form}": modes.growth_rates.tolist(),
-            f"im {form}": modes.eigenvalues.imag.tolist(),
-            f"slope {form}": np.abs(modes.sensitivity("contacts.interface.mu")).tolist(),
-        }
-        with EigenSolver(pencil) as driver:
-            near = driver.nearest(-((0.2 + 1j) ** 2), 3).eigenvalues
-        found |= {f"near {form}": [*near.real, *near.imag]}
-    return found
+    pencil = assemble(modally_damped_disc("iga", form=form)).pencil()
+    modes = solve_modes(pencil, 0.3, options=KrylovOptions(dense_limit=0), left=True)
+    with EigenSolver(pencil) as driver:
+        near = driver.nearest(-((0.2 + 1j) ** 2), 3).eigenvalues
+    slopes = np.abs(modes.sensitivity("contacts.interface.mu"))
+    values = modes.eigenvalues
+    found = {"re": values.real, "im": values.imag, "slopes": slopes, "near": [near.real, near.imag]}
+    return {name: np.ravel(each).tolist() for name, each in found.items()}
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_numbers_do_not_depend_on_the_ranks(ranks):
-    alone, together = damped_disc(), on_ranks(ranks, damped_disc)
-    assert len(alone["re saddle"]) > 3
+@pytest.mark.parametrize(
+    ("ranks", "form"),
+    [(2, "saddle"), *(pytest.param(*case, marks=slow) for case in ((2, "penalty"), (3, "saddle")))],
+)
+def test_numbers_do_not_depend_on_the_ranks(ranks, form):
+    alone, together = damped_disc(form), on_ranks(ranks, damped_disc, form)
+    assert len(alone["re"]) > 3
     for name, values in alone.items():
         assert together[name] == pytest.approx(values, rel=1e-8, abs=1e-9)
 
@@ -191,9 +190,6 @@ def exact_overdamped(n, end, rate=0.1):
     kappa = 4 * (n + 1) ** 2 * np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) ** 2
     drag = kappa / (2 * rate * end)
     return np.concatenate([-drag + s * np.sqrt(drag**2 - kappa + 0j) for s in (1, -1)])
-
-
-slow = pytest.mark.slow
 
 
 @pytest.mark.parametrize("rate", [0.1, 0.5, *(pytest.param(r, marks=slow) for r in (0.3, 0.7))])

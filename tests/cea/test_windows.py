@@ -17,6 +17,7 @@ from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.regions import distance_of_cone
 from cea.eigen.static import solve_static
 from cea.errors import ConvergenceError
+from scenes import load_scene, run_modes
 
 HERTZ = 1 / (2 * np.pi)
 KRYLOV = KrylovOptions(dense_limit=0)
@@ -203,3 +204,9 @@ def test_an_empty_window_names_the_lowest_mode_above():
         modes = driver.solve(1.0 * HERTZ, hints=True)
     assert len(modes) == 0
     assert modes.window.lowest == pytest.approx(2.0 * HERTZ, rel=1e-9)
+
+
+def test_growth_just_above_the_window_is_hinted_at():
+    scene = load_scene("blocks", ["analysis.max_frequency=0.46"], "iga")
+    (hint,) = run_modes(scene).modes.window.hints
+    assert "+0.0274 1/s at 0.46125" in hint
