@@ -33,7 +33,6 @@ from cea.material import IsotropicMaterial
 from cea.mesh import Mesh
 from cea.supports.boundary import Support
 from cea.system.coupled import couple
-from fe_cea.corners import smooth_pairs
 from meshes.nurbs_shapes import NurbsPatch
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle
@@ -257,25 +256,3 @@ def test_numbers_of_a_corner_do_not_depend_on_the_ranks(ranks, kind):
     alone = numbers(kind)
     assert len(alone) >= 7
     assert on_ranks(ranks, numbers, kind) == pytest.approx(alone, rel=1e-9)
-
-
-def corners_of(*pieces):
-    """Points of a polyline of straight facets where it has a corner."""
-    x = np.vstack(pieces)
-    along = np.diff(x, axis=0) / np.linalg.norm(np.diff(x, axis=0), axis=1, keepdims=True)
-    normals = np.column_stack([along[:, 1], -along[:, 0]])
-    number = np.arange(len(along))
-    nodes = np.column_stack([number, number + 1])
-    smooth = smooth_pairs(nodes, np.repeat(normals[:, None], 2, axis=1), 1)
-    return sorted(set(range(1, len(x) - 1)) - set(smooth[:, 1]))
-
-
-@pytest.mark.parametrize("turn", [2.0, 20.0, 60.0, 90.0])
-def test_straight_sides_have_a_corner_and_rounded_ones_none(turn):
-    end = np.deg2rad(turn)
-    side = np.linspace(1.0, 0.0, 4)[:, None] * [-1.0, 0.0]
-    other = np.linspace(0.0, 1.0, 4)[1:, None] * [np.cos(end), np.sin(end)]
-    assert corners_of(side, other) == [3]
-    arc = end * np.linspace(0.0, 1.0, 4)
-    rounded = 0.2 * np.column_stack([np.sin(arc), 1 - np.cos(arc)])
-    assert corners_of(side, rounded[1:], rounded[-1] + other) == []

@@ -99,22 +99,16 @@ def test_ratios_that_no_damping_has_are_refused(ratios):
 @pytest.mark.parametrize(
     ("fields", "named"),
     [
-        ({}, "ratio"),
         ({"ratio": 0.01}, "max_frequency"),
-        ({"ratio": 0.01, "max_frequency": 0.0}, "max_frequency"),
         ({"ratio": 0.01, "max_frequency": np.inf}, "max_frequency"),
         ({"ratio": 1.0, "max_frequency": 9.0}, "ratio"),
-        ({"ratio": -0.1, "max_frequency": 9.0}, "ratio"),
         ({"ratio": 0.1, "max_frequency": 9.0, "ratios": (0.1,)}, "ratio"),
-        ({"max_frequency": 9.0, "ratios": (0.1,)}, "max_frequency"),
         ({"ratio": 0.1, "max_frequency": 9.0, "frequencies": (1.0,)}, "frequencies"),
         ({"ratios": (0.1,)}, "frequencies"),
-        ({"ratios": (), "frequencies": ()}, "ratios"),
         ({"ratios": (0.1, 3.0), "frequencies": (1.0, 2.0)}, "ratios"),
         ({"ratios": (0.1, 0.2), "frequencies": (2.0, 1.0)}, "frequencies"),
         ({"ratios": (0.1, 0.2), "frequencies": (1.0,)}, "frequencies"),
         ({"ratios": (0.1,), "frequencies": (0.0,)}, "frequencies"),
-        ({"frequencies": (1.0, 2.0)}, "ratio"),
     ],
 )
 def test_what_is_no_damping_is_refused(fields, named):

@@ -1,14 +1,16 @@
-"""Contacts that ask the same of the bodies: round a point, where supports hold, and twice."""
+"""Dependent and unequally stiff contacts beside dense eigenvalues."""
 
 import numpy as np
 import pytest
 from blocks import scene_body, two_blocks
 from covering import covering
 from motions import dense
+from reference_data import plane_meshes
 
 from comparisons.stability.dense import dense_eigenvalues
 from scenes import run_modes
-from scenes.spec.reading import read_scene
+from scenes.spec.plain import plain_data
+from scenes.spec.reading import load_scene, read_scene
 
 INF = float("inf")
 
@@ -81,3 +83,22 @@ def test_traces_that_supports_hold_on_both_sides(backend, P):
     assert nearest(found, expected) < (1e-9 + 30 / P) * np.abs(found).max()
     assert result.system.pencil().at({"contacts.interface.P": INF}).tied == rank
     assert rank < result.system.pencil().at().multipliers.size
+
+
+@pytest.mark.parametrize(
+    ("backend", "form", "contrast"),
+    covering(["fe", "iga"], ["penalty", "saddle"], [1e12, 1e15]),
+)
+def test_stiffnesses_that_differ_along_a_contact(backend, form, contrast):
+    overrides = [
+        f"contacts.interface.p='where(x<1, 1.0, {contrast!r})'",
+        f"contacts.interface.form='{form}'",
+        "analysis.max_frequency=0.7",
+        *plane_meshes(backend, 2, {"upper": [3, 1], "lower": [4, 1]}),
+    ]
+    scene = load_scene("blocks", overrides, backend)
+    found = -(run_modes(scene).eigenvalues ** 2)
+    assert len(found) >= 6
+    expected = -(dense_eigenvalues(plain_data(scene)) ** 2)
+    distance = np.abs(found[:, None] - expected).min(axis=1)
+    assert (distance / np.abs(found)).max() < 1e-9

@@ -4,14 +4,9 @@ import numpy as np
 import pytest
 from reference_data import DRUM_BODIES
 
-from cea.eigen.matching import group
 from comparisons.study.matching import match_spectrum
 from scenes import run_scene
-from scenes.results.matching import (
-    ModeSet,
-    match_modes,
-    match_runs,
-)
+from scenes.results.matching import ModeSet, match_modes, match_runs
 from scenes.spec.reading import load_scene
 
 RNG = np.random.default_rng(7)
@@ -23,12 +18,6 @@ def random_shapes(rows, modes):
 
 def matched(computed, exact, *arguments, **options):
     return match_spectrum(np.array(computed), np.array(exact), *arguments, **options)
-
-
-def test_groups_are_chains_of_neighbours():
-    values = np.array([1j, 1.0005j, 2j, 1.001j, 3j + 1e-4, 3j - 1e-4])
-    assert [g.tolist() for g in group(values, 6e-4)] == [[0, 1, 3], [2], [4, 5]]
-    assert [g.tolist() for g in group(values, 0.0)] == [[i] for i in range(6)]
 
 
 def test_spectrum_respects_multiplicities():

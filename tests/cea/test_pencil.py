@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blocks import assemble, two_blocks
 from covering import covering
-from petsc_matrices import FRICTION, dense_pencil, sliding_pencil, to_numpy, to_petsc
+from petsc_matrices import dense_pencil, to_numpy, to_petsc
 
 from cea.eigen.coefficients import Coefficient
 from cea.eigen.pencil import Pencil, Term
@@ -100,10 +100,3 @@ def test_parameters_that_cannot_be_are_refused(name, value, told):
 def test_a_coefficient_must_name_parameters_that_are_there():
     with pytest.raises(InputError, match="Omega"):
         Pencil([Term("stiffness", to_petsc(np.eye(2)), Coefficient({"Omega": (1.0, 2.0)}))])
-
-
-def test_given_matrices_have_one_parameter():
-    stiffness, friction = np.diag([2.0, 3.0]), np.array([[0.0, 1.0], [-1.0, 0.0]])
-    pencil = sliding_pencil(stiffness, np.eye(2), friction)
-    operator = to_numpy(pencil.at({FRICTION: 0.5}).operator(1.0))
-    assert (operator == stiffness - 0.5 * friction - np.eye(2)).all()

@@ -1,12 +1,10 @@
-"""Random and graded pencils beside dense eigenvalues; products with many columns."""
+"""Random and graded pencils beside dense eigenvalues."""
 
 from functools import partial
 
 import numpy as np
 import pytest
-from eigen_numbers import graded
 from mpi import on_ranks
-from petsc_matrices import to_petsc
 from random_pencils import (
     POWERS,
     pencil_of,
@@ -20,7 +18,6 @@ from random_pencils import (
 from random_runs import judged, pencil_outcome
 
 from cea.eigen import driver
-from cea.eigen.block_products import times
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.errors import ConvergenceError
@@ -129,6 +126,17 @@ def test_eigenvectors_are_those_of_the_unknowns_as_given(name):
     assert (np.abs(overlap - np.eye(len(modes))) <= 1e-9 * size).all()
 
 
+def graded(seed, damped):
+    """Eigenvalues and verdicts of a graded pencil, with left vectors."""
+    problem = random_graded(seed, 20, damped=damped)
+    modes = solve_modes(problem.pencil(), problem.max_frequency, left=True)
+    return {
+        "re": modes.growth_rates.tolist(),
+        "im": modes.eigenvalues.imag.tolist(),
+        "verdicts": modes.verdicts(),
+    }
+
+
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("seed", "damped"), [(5, False), (1, True)])
@@ -139,17 +147,3 @@ def test_ranks_agree(ranks, seed, damped):
     assert several["verdicts"] == alone["verdicts"]
     for part in ("re", "im"):
         assert several[part] == pytest.approx(alone[part], rel=1e-8, abs=1e-10)
-
-
-@pytest.mark.parametrize("order", ["F", "C"])
-def test_products_with_many_columns_are_those_column_by_column(order, monkeypatch):
-    monkeypatch.setattr("cea.eigen.block_products._COLUMNS", 8)
-    rng = np.random.default_rng(4)
-    entries = rng.standard_normal((30, 30)) * (rng.random((30, 30)) < 0.3)
-    matrix, columns = to_petsc(entries), np.array(rng.standard_normal((30, 19)), order=order)
-    before = columns.copy()
-    image = times(matrix, columns)
-    assert image.flags.f_contiguous
-    assert image == pytest.approx(entries @ columns, abs=1e-13)
-    assert np.array_equal(columns, before)
-    assert np.array_equal(times(matrix, columns[:, 8:9])[:, 0], image[:, 8])

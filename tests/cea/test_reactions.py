@@ -8,8 +8,6 @@ from mpi import on_ranks
 from pressed import pressed_blocks
 
 from cea.errors import ConvergenceError, InputError
-from cea.supports.directions import Directions
-from cea.supports.elimination import constrain
 from cea.system import support_forces
 from scenes import read_scene, run_scene
 
@@ -117,31 +115,6 @@ def test_a_sector_bears_what_lame_says(backend, sides):
     assert forces == pytest.approx(expected, abs=1e-5 * pull)
     # No support bears anything across the directions that it holds.
     assert np.abs(forces[1:][expected[1:] == 0]).max() < 1e-13 * pull
-
-
-def test_a_dof_is_shared_along_what_each_support_holds():
-    """Against a dense least-norm solution: independent, equal, and partly shared directions.
-
-    Directions that differ by rounding are equal.
-    """
-    rng = np.random.default_rng(2)
-    dof = np.array([3, 3, 3, 5, 5, 5, 8, 8, 8, 8, 8])
-    support = np.array([0, 1, 2, 0, 1, 1, 0, 0, 1, 2, 2])
-    direction = rng.normal(size=(5, 3))[[0, 1, 2, 3, 3, 4, 0, 1, 1, 0, 2]]
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    rounded = direction + 1e-13 * rng.normal(size=direction.shape)
-    rounded /= np.linalg.norm(rounded, axis=1, keepdims=True)
-    constraints = constrain(10, Directions.of(dof, rounded, support=support))
-    r = np.zeros((10, 3))
-    np.add.at(r, dof, rng.normal(size=(len(dof), 1)) * direction)
-    assert list(constraints.dofs) == [3, 5, 8]
-    parts = constraints.split(r[constraints.dofs], 3)
-    for i, each in enumerate(constraints.dofs):
-        amounts = np.linalg.lstsq(direction[dof == each].T, r[each], rcond=None)[0]
-        forces = amounts[:, None] * direction[dof == each]
-        for s in range(3):
-            own = forces[support[dof == each] == s].sum(axis=0)
-            assert parts[s, i] == pytest.approx(own, abs=1e-12)
 
 
 @pytest.mark.grid
@@ -286,21 +259,6 @@ def test_supports_that_reach_a_contact_close_it(backend, form):
             assert sign * result.reactions[name].sum(axis=0)[2] > 1e-5
     for one, other in (pressures, *([r[name] for r in reactions] for name in ("upper", "lower"))):
         assert other == pytest.approx(one, abs=1e-10 * np.abs(one).max())
-
-
-def test_supports_bear_what_a_contact_with_a_law_does(backend, formulation):
-    """Although one of them reaches it."""
-    data = pressed_blocks(backend, formulation, kind="static", c_n=1e3, m_n=2.5, mu=0.3)
-    data["bodies"]["upper"]["supports"] = [
-        {"surface": "z_max", "value": [0.0, 0.0, -1e-3]},
-        {"surface": "x_min", "components": ["z"], "value": -1e-3},
-    ]
-    result = solved(data | {"loads": []})
-    state = result.steady.contacts["interface"]
-    assert state.closed_area > 0
-    for name, sign in (("upper", -1), ("lower", 1)):
-        forces = result.reactions[name].sum(axis=0)
-        assert forces == pytest.approx(sign * state.force_on_a, abs=1e-10 * state.normal_force)
 
 
 def test_small_motions_are_held_at_zero(backend):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
-from motions import dense
 
 from cea.eigen.driver import solve_modes
 from scenes import run_modes, run_scene
@@ -68,25 +67,6 @@ def test_contact_between_held_sides_does_nothing(form):
     assert modes_of(data, together=False).eigenvalues == pytest.approx(alone, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("form", "leave_out", "changed"),
-    covering(["penalty", "saddle"], [True, False], [0.5, 0.0, 1.0]),
-)
-def test_friction_that_varies_over_the_points_of_one_side_alone(form, leave_out, changed):
-    """Constant, or zero, on the coarse points of the other: both halves keep their own."""
-    matrices = []
-    for mu in (f"0.4*where(x<0.683,1,{changed})", f"0.4*where(x<0.683,1,{changed})+1e-13*x"):
-        options = {"P": 30.0, "full_pass": True, "form": form, "held": True}
-        data = two_blocks("fe", {"method": "grid", "points": 4}, mu=mu, **options)
-        pencil = assemble(data, leave_out=leave_out).pencil().at()
-        if form == "penalty":
-            matrices.append(dense(pencil.unsymmetric))
-        else:
-            m = pencil.multipliers
-            matrices.append(dense(m.reaction).T @ dense(m.closure))
-    assert np.abs(matrices[0] - matrices[1]).max() <= 1e-10 * np.abs(matrices[1]).max()
-
-
 def forms(system):
     return {contact.form for contact in system.contacts}
 
@@ -103,24 +83,6 @@ def test_a_penalty_that_stays_says_how_many_digits_it_costs(backend, fields):
     largest = stiffness.getDiagonal().array / np.concatenate(bodies)
     assert warning.data["digits"] == pytest.approx(np.log10(largest.max()), abs=1e-3)
     assert not assemble(scene(backend, P=1e5, **fields)).warnings_at({})
-
-
-@pytest.mark.parametrize(
-    "moduli",
-    [{"upper": 2e-3, "lower": 2e5}, {"upper": 2e5, "lower": 2e4}, {"upper": 3.0}],
-    ids=str,
-)
-def test_digits_at_other_moduli_are_those_of_a_scene_assembled_there(backend, moduli):
-    """Springs do not grow with them, and the stiffer side does not count."""
-    data = scene(backend, GPTS, P=1e9, form="penalty")
-    data["bodies"]["upper"]["springs"] = [{"surface": "z_min", "stiffness": [1e3] * 3}]
-    values = {f"bodies.{name}.material.E": E for name, E in moduli.items()}
-    (found,) = assemble(data).warnings_at(values | {"contacts.interface.P": 1e11})
-    for name, E in moduli.items():
-        data["bodies"][name]["material"]["E"] = E
-    data["contacts"]["interface"]["P"] = 1e11
-    (fresh,) = assemble(data).warnings_at({})
-    assert found.data["digits"] == pytest.approx(fresh.data["digits"], abs=1e-9)
 
 
 @pytest.mark.grid

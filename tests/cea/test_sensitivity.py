@@ -6,13 +6,12 @@ import scipy.linalg
 from blocks import assemble, coarse, two_blocks
 from covering import covering
 from petsc_matrices import FRICTION, sliding_pencil, to_numpy
-from reference_data import plane_meshes, stored
+from reference_data import COALESCENCES
+from sweep_cases import MU, P, driver_of_blocks
 
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
-from scenes.running.system import coupled
-from scenes.spec.reading import load_scene
 
 
 def followed(modes, eigenvalues):
@@ -39,12 +38,7 @@ def finite_differences(driver, modes, name, chosen, relative_step, max_frequency
     return slope / step
 
 
-NAMES = [
-    "contacts.interface.mu",
-    "contacts.interface.P",
-    "bodies.upper.material.E",
-    "bodies.lower.material.rho",
-]
+NAMES = [MU, P, "bodies.upper.material.E", "bodies.lower.material.rho"]
 
 
 @pytest.mark.parametrize(
@@ -68,31 +62,21 @@ def test_derivatives_in_every_kind_of_parameter(backend, form):
             assert (np.abs(found - expected) <= 1e-6 * scale).all(), name
 
 
-MESHES = {
-    "fe": {"upper": [8, 2], "lower": [5, 3]},
-    "iga": {"upper": [10, 2], "lower": [7, 3]},
-}
-
-
 @pytest.mark.parametrize(("backend", "distance"), covering(["fe", "iga"], [1e-2, 1e-4], strength=1))
 def test_derivatives_of_the_blocks_near_coalescence(backend, distance):
     """Members part like square roots of the distance; steps must stay well below it."""
-    entry = stored("blocks_sine_mu_thresholds")[0]
-    mu_c, omega = float(entry["mu_c"]), float(entry["omega"])
-    overrides = ["contacts.interface.mu='sin(pi*x/2)'", f"contacts.interface.p={entry['p']}.0"]
-    overrides += plane_meshes(backend, 2, MESHES[backend])
-    pencil = coupled(load_scene("blocks", overrides, backend))[0].pencil()
-    name, top = "contacts.interface.mu", 0.53
-    with EigenSolver(pencil) as driver:
+    p, mu_c, omega = COALESCENCES[0]
+    top = 0.53
+    with driver_of_blocks(backend, p) as driver:
         threshold = first_threshold(
-            driver, name, 0.9 * mu_c, 1.1 * mu_c, max_frequency=top, frequency=omega / (2 * np.pi)
+            driver, MU, 0.9 * mu_c, 1.1 * mu_c, max_frequency=top, frequency=omega / (2 * np.pi)
         )
         for side in (-1, 1):
-            at = {name: threshold.value * (1 + side * distance)}
+            at = {MU: threshold.value * (1 + side * distance)}
             modes = driver.solve(top, at, left=True)
             pair = np.argsort(np.abs(modes.eigenvalues - threshold.eigenvalue))[:2]
-            found = modes.sensitivity(name)[pair]
-            expected = finite_differences(driver, modes, name, pair, distance / 50, top)
+            found = modes.sensitivity(MU)[pair]
+            expected = finite_differences(driver, modes, MU, pair, distance / 50, top)
             assert np.abs(found - expected).max() <= 1e-6 * np.abs(expected).max()
             # Of the mean of lambda^2 nothing grows.
             means = [(modes.eigenvalues[pair] * slope).sum() for slope in (found, expected)]

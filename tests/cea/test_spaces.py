@@ -14,7 +14,6 @@ from petsc_matrices import gather, to_numpy
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
-from cea.errors import InputError
 from cea.motion import Rotation
 from cea.petsc import MPI
 from cea.supports.boundary import Force, Pressure, Spring, Support
@@ -144,41 +143,6 @@ def points_of(surface):
     for kind in surface.abscissa_kinds:
         for weights in surface.abscissa_weights:
             yield surface.abscissae(kind, weights)
-
-
-@pytest.mark.parametrize(
-    ("field", "options"),
-    [
-        ("supports[0].surface", {"supports": [Support("lid", ("x",))]}),
-        ("springs[0].surface", {"springs": [Spring("lid", (1.0, 1.0, 1.0))]}),
-        ("pressures[0].surface", {"pressures": [Pressure("lid", 1.0)]}),
-        ("springs[0].stiffness", {"springs": [Spring("top", (1.0, 1.0))]}),
-    ],
-)
-@pytest.mark.parametrize("case", ["Q2", "NURBS 2"])
-def test_wrong_conditions_are_refused_by_name(case, field, options):
-    with pytest.raises(InputError) as refused:
-        made(ROUND[case], **options)
-    assert refused.value.field == f"bodies.part.{field}"
-    if field.endswith("surface"):
-        assert all(name in refused.value.allowed for name in ANNULUS.surfaces)
-
-
-LOST = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
-
-
-@pytest.mark.parametrize("case", ["Q2", "NURBS 2"])
-def test_requests_that_make_no_points_are_refused(case):
-    top = plain(ROUND[case]).surfaces["top"]
-    for request, argument, words in (
-        (top.abscissae, "midpoints", "one of "),
-        (top.gauss_points, 0, "at least one"),
-        (top.grid, 1, "at least two"),
-        (top.position, LOST, r"at\.element"),
-        (top.trace, LOST, r"at\.element"),
-    ):
-        with pytest.raises(InputError, match=words):
-            request(argument)
 
 
 @pytest.mark.parametrize("name", FLAT)

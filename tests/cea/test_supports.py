@@ -1,13 +1,11 @@
-"""Supports in local frames: dense null spaces, rings between rollers; what is refused."""
+"""Supports in local frames: turned bodies, rings between rollers, closed forms; what is refused."""
 
 import numpy as np
 import pytest
 from blocks import ROTATED, alone, scene_body
 from covering import covering
 from motions import control_points
-from mpi4py import MPI
 from petsc_matrices import gather, to_scipy
-from scipy.linalg import null_space, subspace_angles
 from scipy.sparse import csr_array
 
 from cea.eigen.driver import solve_modes
@@ -48,69 +46,6 @@ def eigenvalues(body, max_frequency):
     """Squares of the angular frequencies."""
     modes = solve_modes(Pencil.of(body.stiffness(), body.mass()), max_frequency)
     return modes.eigenvalues.imag**2
-
-
-def directions(rng, count):
-    d = rng.normal(size=(count, 3))
-    return d / np.linalg.norm(d, axis=1, keepdims=True)
-
-
-def projected(rng, n, anchors, dofs):
-    """Rows that have a direction at an anchor and small numbers at some dofs."""
-    rows = np.zeros((len(anchors), n, 3))
-    for row, dof, direction in zip(rows, anchors.dof, anchors.direction, strict=True):
-        row[dofs] = 0.1 * rng.random((len(dofs), 3))
-        row[dof] += direction
-    return rows.reshape(len(anchors), -1)
-
-
-def test_free_space_is_the_null_space_of_all_constraints():
-    """Held directions, some alike, and projected rows, one redundant, against a dense SVD.
-
-    Dof 5 anchors two rows, dof 3 has a direction held as well, dof 7 the very one of its row.
-    """
-    rng, n = np.random.default_rng(5), 9
-    d, (y, z) = directions(rng, 5), np.eye(3)[1:]
-    points = Directions.of(
-        np.array([0, 0, 0, 4, 4, 7, 8, 8, 3]),
-        np.array([d[0], d[1], d[0], d[2], d[3], d[4], z, y, d[4]]),
-    )
-    anchors = Directions.of(np.array([1, 2, 3, 5, 5, 7]), np.array([*d[:4], d[0], d[4]]))
-    rows = projected(rng, n, anchors, [1, 2, 3, 5, 7])
-    shares = ProjectedConstraints(anchors, {0: csr_array(rows)}, np.zeros(6))
-    constraints = constrain(n, points, shares)
-    dense = np.zeros((len(points), n, 3))
-    dense[np.arange(len(points)), points.dof] = points.direction
-    expected = null_space(np.vstack([dense.reshape(len(points), -1), rows[:5]]))
-    Z = to_scipy(constraints.expansion(0, n, MPI.COMM_SELF)).toarray()
-    assert Z.shape == expected.shape
-    assert np.abs(subspace_angles(Z, expected)).max() < 1e-12
-    assert not constraints.selects
-    # Where axes are held what is left is plain, at the edge of two oblique rollers orthonormal.
-    np.testing.assert_array_equal(Z[24:, -1], [1.0, 0.0, 0.0])
-    edge = Z[12:15, np.abs(Z[12:15]).sum(axis=0) > 0]
-    np.testing.assert_allclose(np.abs(edge[:, 0]), np.abs(null_space(d[2:4])[:, 0]), atol=1e-14)
-
-
-@pytest.mark.parametrize("size", [1e-12, 1.0])
-def test_prescribed_values_are_met_by_all_constraints(size):
-    """Oblique directions, two of them alike, and projected rows, of values however small."""
-    rng, n = np.random.default_rng(7), 6
-    wanted, d = size * rng.normal(size=(n, 3)), directions(rng, 4)
-    dofs, along = np.array([0, 0, 0, 3, 5]), d[[0, 1, 0, 2, 3]]
-    values = np.einsum("ij,ij->i", along, wanted[dofs])
-    anchors = Directions.of(np.array([1, 3, 4]), d[[0, 0, 1]], np.full(3, size))
-    rows, right = projected(rng, n, anchors, [1, 3, 4]), size * rng.normal(size=3)
-    shares = ProjectedConstraints(anchors, {0: csr_array(rows)}, right)
-    constraints = constrain(n, Directions.of(dofs, along, values), shares)
-    Z = constraints.expansion(0, n, MPI.COMM_SELF)
-    u = constraints.prescribed_displacement(0, n).reshape(n, 3)
-    assert np.einsum("ij,ij->i", along, u[dofs]) == pytest.approx(values, abs=1e-13 * size)
-    assert rows @ u.ravel() == pytest.approx(right, abs=1e-12 * size)
-    assert np.abs(rows @ to_scipy(Z)).max() < 1e-12
-    values[2] += 1e-3 * size
-    with pytest.raises(InputError, match=r"supports\.value"):
-        constrain(n, Directions.of(dofs, along, values))
 
 
 @pytest.mark.parametrize("last", [[1.0, 0, 0, 1.0, 0, 0], [1.0, 0, 0, 1.0 + 1e-9, 0.5, 0]])

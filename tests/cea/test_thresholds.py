@@ -4,21 +4,14 @@ import numpy as np
 import pytest
 from covering import covering
 from petsc_matrices import FRICTION, sliding_pencil
-from reference_data import plane_meshes, stored
+from reference_data import COALESCENCES
+from sweep_cases import MU, driver_of_blocks
 
-from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
-from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
-from scenes import assemble, load_scene
 
-MU = "contacts.interface.mu"
 TOP = 2.5 / (2 * np.pi)
-MESHES = {
-    "fe": lambda n: {"upper": [8 * n, 2 * n], "lower": [5 * n, 3 * n]},
-    "iga": lambda n: {"upper": [10 * n, 2 * n], "lower": [7 * n, 3 * n]},
-}
 
 
 def driver_of(stiffness, friction, mass=None):
@@ -37,23 +30,6 @@ def lumped(coupling, others=12):
     mass = np.diag(np.linspace(1, 2, n))
     root = np.sqrt(mass)
     return driver_of(root @ stiffness @ root, root @ friction @ root, mass)
-
-
-def blocks(backend, degree, n, p):
-    """The blocks with friction sin(pi x / 2), to be multiplied by mu0."""
-    overrides = [
-        "contacts.interface.mu='sin(pi*x/2)'",
-        f"contacts.interface.p={float(p)}",
-        *plane_meshes(backend, degree, MESHES[backend](n)),
-    ]
-    return assemble(load_scene("blocks", overrides, backend)).driver
-
-
-EXACT = [
-    (entry["p"], float(entry["mu_c"]), float(entry["omega"]))
-    for entry in stored("blocks_sine_mu_thresholds")
-]
-"""p, mu_c and omega of the stored thresholds."""
 
 
 @pytest.mark.parametrize("coupling", [0.3, 2.0])
@@ -98,22 +74,12 @@ def test_divergence_is_no_flutter(soft):
     assert threshold.value == pytest.approx(0.5 / 0.6, rel=1e-12)
 
 
-def test_flutter_may_lie_at_zero():
-    """A second friction works against the first, and brings the pair to rest as it grows."""
-    stiffness, mass, friction = lumped(1.0).pencil.terms
-    against = Term("stiffness", friction.matrix, Coefficient({"s": (1.0, 1.0)}), symmetric=False)
-    first = Term("stiffness", friction.matrix, Coefficient({}, factor=-1.0), symmetric=False)
-    driver = EigenSolver(Pencil([stiffness, mass, first, against], [Parameter("s", 0.0)]))
-    threshold = first_threshold(driver, "s", real=0.9, flutter=0.0, max_frequency=TOP)
-    assert threshold.value == pytest.approx(0.5, rel=1e-12)
-
-
 @pytest.mark.parametrize(("mesh", "i"), covering([("fe", 4, 1), ("iga", 4, 2)], [0, 3], strength=1))
 def test_first_thresholds_of_the_blocks_on_coarse_meshes(mesh, i):
     backend, degree, n = mesh
-    p, mu_c, omega = EXACT[i]
+    p, mu_c, omega = COALESCENCES[i]
     near, frequency = (0.95 * mu_c, 1.05 * mu_c), omega / (2 * np.pi)
-    driver = blocks(backend, degree, n, p)
+    driver = driver_of_blocks(backend, p, degree=degree, finer=n)
     threshold = first_threshold(driver, MU, *near, max_frequency=0.53, frequency=frequency)
     assert threshold.value == pytest.approx(mu_c, abs=1e-4)
     assert threshold.eigenvalue == pytest.approx(1j * omega, rel=1e-5)
@@ -123,10 +89,10 @@ def test_first_thresholds_of_the_blocks_on_coarse_meshes(mesh, i):
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_at_the_threshold_the_mean_keeps_twice_the_order_of_its_members(backend):
     """Quadratic elements: the mean converges like h^4, the members part from it like h^2."""
-    p, mu_c, omega = EXACT[0]
+    p, mu_c, omega = COALESCENCES[0]
     refinements, errors = (3, 4, 6), []
     for n in refinements:
-        values = blocks(backend, 2, n, p).solve(0.53, {MU: mu_c}).eigenvalues
+        values = driver_of_blocks(backend, p, finer=n).solve(0.53, {MU: mu_c}).eigenvalues
         pair = values[np.argsort(np.abs(values - 1j * omega))[:2]]
         mean = 1j * np.sqrt(-(pair**2).mean())
         errors.append([abs(pair[0] - pair[1]) / 2, abs(mean - 1j * omega)])

@@ -1,46 +1,39 @@
 """``cea converge``: bars beside exact eigenvalues, what is said where digits are not reached."""
 
 import json
-from dataclasses import replace
-from itertools import count
 from math import pi
 
 import numpy as np
 import pytest
 from file_scenes import built, from_file
 from mpi import on_ranks
+from reference_data import COALESCENCES
+from reference_data import exact as whole_spectrum
 
 from cea.eigen.matching import assign
 from cea.errors import ConvergenceError, InputError
-from comparisons.converge import ladder
-from comparisons.converge.bars import FACTOR, Bar, Estimated, bar_of, pair
-from comparisons.converge.combine import Mode, widened
+from comparisons.converge.bars import pair
 from comparisons.converge.ladder import RATIO, Ladder
 from comparisons.converge.page import read_converge, write_converge
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
 from comparisons.study.session import Progress
-from exact_cea.reference import whole_spectrum
 from scenes import run_modes
 from scenes.spec.plain import scene_text
 from scenes.spec.reading import load_scene, read_scene
 
 UNIT = {"drum": 1.0, "blocks": 1.0, "ring": 1e12}
 """Contact stiffness p of scenes with exact eigenvalues (N/m^3)."""
-SILENT = Progress()
-MU_CRITICAL = 0.05989842834808168909
-"""Exactly known threshold of flutter of the scene ``blocks`` (cea exact blocks --thresholds)."""
 
 
 def converged(scene, **options):
-    return run_converge(Request(scene, **options), SILENT)
+    return run_converge(Request(scene, **options), Progress())
 
 
 def exact(name, p=1.0, mu=0.3):
-    """Eigenvalues with Im >= 0 of a scene, to a little beyond its window; p relative to its own."""
-    top = 1.05 * 2 * pi * load_scene(name).analysis.max_frequency
-    p = UNIT[name] * p if name == "ring" else p
-    return np.array(whole_spectrum(name, max_frequency=top, p=repr(p), mu=repr(mu)).values)
+    """Eigenvalues of a scene to a little beyond its window; p relative to its own."""
+    highest = 2 * pi * load_scene(name).analysis.max_frequency
+    return whole_spectrum(name, highest, p=repr(p * UNIT[name]), mu=repr(mu))
 
 
 def shares(data, exact):
@@ -52,33 +45,6 @@ def shares(data, exact):
     assert len(rows) == len(values)
     errors = np.abs(values - exact[columns])
     return errors / bars, errors / np.abs(exact[columns])
-
-
-@pytest.mark.parametrize("order", [1.0, 2.0, 4.0, 6.0])
-def test_a_bar_is_twice_the_error_of_a_sequence_that_keeps_its_order(order):
-    numbers = [7.0 + RATIO ** (-order * i) for i in range(3)]
-    error = numbers[-1] - 7.0
-    assert bar_of(numbers, 7.0 + error / 2, 3).size == pytest.approx(2 * error)
-    assert bar_of(numbers, 7.0 - error, 3, 0.1 * error).size == pytest.approx(4.1 * error)
-    assert bar_of(numbers, 7.0, 3).estimates == 2
-
-
-@pytest.mark.parametrize(
-    ("numbers", "corrected", "bar"),
-    [
-        ([2.0, 1.0 + 1e-6, 1.0], 1.0, Bar(FACTOR * 1e-6 / (RATIO**4 - 1))),  # above theory
-        ([2.3, 1.0, 0.0], 0.0, Bar(FACTOR * 1.0 / (RATIO - 1))),  # below one
-        ([1.0, 1.2, 1.7], 1.7, Bar(0.7, converges=False)),  # differences do not fall
-        ([1.0, 1.5, 1.0], 1.0, Bar(1.0, converges=False)),
-        ([1.0, 1.11, 1.01], 1.01, Bar(0.21, converges=False)),
-        ([2.0, 1.0], 0.9, Bar(0.2, estimates=1)),  # too few meshes
-    ],
-)
-def test_orders_out_of_range_and_too_few_meshes_are_told(numbers, corrected, bar):
-    found = bar_of(numbers, corrected, 2)
-    assert found.size == pytest.approx(bar.size)
-    assert replace(found, size=bar.size) == bar
-    assert bar_of([1.0, 1.0 + 1e-15, 1.0], 1.0, 3, 1e-14).converges  # rounding has no order
 
 
 @pytest.mark.parametrize("splitting", [0.04, 0.0, -0.04])
@@ -96,24 +62,6 @@ def test_bars_of_a_pair_hold_its_members_through_a_coalescence(splitting, damped
             assert own.still == (splitting > 0)
 
 
-@pytest.mark.parametrize("apart", [0.5, 3.0])
-def test_bars_of_backends_that_do_not_meet_are_widened_to_both_values(apart):
-    other = Estimated(1j + 1j * apart, 1.0, 0.0, still=True)
-    found, agree = widened(Estimated(1j, 0.5, 0.0, still=True), other)
-    assert agree == (apart < 1.5)
-    assert found.frequency_bar == (0.5 if agree else apart)
-
-
-def test_digits_of_growth_are_asked_of_modes_that_grow():
-    own = Estimated(0.01 + 1j, 1e-4, 1e-4)
-    request = Request("blocks", digits=3, growth_digits=1)
-    grows, decays = (Mode("fe", own, None, False, word) for word in ("unstable", "stable"))
-    assert grows.shortfalls(request, None) == pytest.approx((0.2, 0.2), rel=1e-4)
-    assert decays.shortfalls(request, None) == pytest.approx((0.2, 0.0), rel=1e-4)
-    assert decays.shortfalls(replace(request, unstable=True), None) == (0.0, 0.0)
-    assert grows.shortfalls(replace(request, unstable=True), None)[0] > 0
-
-
 @pytest.fixture(scope="module")
 def result():
     """Blocks to four digits on both backends."""
@@ -124,7 +72,6 @@ def test_digits_are_held_and_bars_hold_the_exact_eigenvalues(result):
     assert result["held"]
     assert "4 digits of frequency in 11 of 11 modes, 3 of growth in 1 of 1" in result["first"]
     assert "not reached" not in result["first"]
-    assert "11 modes up to 0.47 Hz: 1 unstable" in result["words"]
     share, error = shares(result, exact("blocks"))
     assert (share <= 1).all()
     assert np.median(share) > 0.2
@@ -145,24 +92,13 @@ def test_the_page_and_its_files_tell_what_was_found(result, tmp_path):
         assert list(mesh.elements) == best["elements"][name]
 
 
-def test_meshes_and_bars_do_not_depend_on_the_clock(result, monkeypatch):
-    """On a machine that takes a minute for whatever it does."""
-    clock = count(step=60)
-    monkeypatch.setattr(ladder, "perf_counter", lambda: next(clock))
-    slow = converged("blocks", digits=4, budget=1e9)
-    assert [each["elements"] for each in slow["levels"] if each["backend"] == "iga"] == [
-        each["elements"] for each in result["levels"] if each["backend"] == "iga"
-    ]
-    assert slow["modes"] == result["modes"]
-
-
 @pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(
     ("factor", "verdicts"),
     [(1.0, ["undecided", "undecided"]), (1.001, ["stable", "unstable"]), (0.999, ["stable"] * 2)],
 )
 def test_at_a_known_threshold_the_sign_of_growth_is_undecided(backend, factor, verdicts):
-    mu = (f'contacts.interface.mu="{MU_CRITICAL * factor!r}*sin(pi*x/2)"',)
+    mu = (f'contacts.interface.mu="{COALESCENCES[0][1] * factor!r}*sin(pi*x/2)"',)
     data = converged("blocks", digits=4, backends=(backend,), overrides=mu)
     near = [m for m in data["modes"] if abs(m["frequency"] - 0.46164) < 2e-4]
     assert sorted(mode["verdict"] for mode in near) == verdicts
@@ -178,15 +114,6 @@ def test_damping_by_the_mass_leaves_the_exact_eigenvalues_known(backend):
     share, _ = shares(data, np.where(both.imag < 0, -alpha - both, both))
     assert data["held"]
     assert (share <= 1).all()
-
-
-@pytest.mark.grid(quick=1)
-def test_layers_lie_at_singular_edges(backend):
-    resolutions = [Ladder(load_scene("disc"), backend).resolution(i) for i in range(4)]
-    assert [each.layers for each in resolutions] == [0, 1, 2, 3]
-    densities = [each.density for each in resolutions]
-    assert np.divide(densities[1:], densities[:-1]) == pytest.approx([RATIO] * 3)
-    assert [Ladder(load_scene("drum"), backend).resolution(i).layers for i in range(3)] == [0] * 3
 
 
 @pytest.mark.grid(quick=1)
@@ -218,30 +145,6 @@ def test_digits_that_are_not_reached_are_told_first_with_code_3(cea):
     assert "not reached: frequency of " in first
     # The next mesh is not begun, or stopped where the machine is slower than it was.
     assert "one more mesh would take about" in first or "was stopped" in first
-
-
-def test_modes_that_grow_just_above_the_window_are_hinted_at_as_a_run_does():
-    window = ("analysis.max_frequency=0.46",)
-    data = converged("blocks", digits=5, growth_digits=5, backends=("iga",), overrides=window)
-    (hint,) = run_modes(load_scene("blocks", window, "iga")).modes.window.hints
-    assert data["hints"] == [hint]
-    assert "+0.0274 1/s at 0.46125" in hint
-    assert max(mode["frequency"] for mode in data["modes"]) < 0.46
-
-
-def test_a_backend_whose_meshes_fail_is_warned_of(monkeypatch):
-    run = Ladder.run
-
-    def failing(ladder, number, progress):
-        if ladder.backend == "iga":
-            raise ConvergenceError("lost")
-        return run(ladder, number, progress)
-
-    monkeypatch.setattr(Ladder, "run", failing)
-    data = converged("blocks", digits=2)
-    assert data["held"]
-    told = [each["message"] for each in data["warnings"] if each["kind"] == "backend-ended"]
-    assert told == ["iga: no further mesh: lost"]
 
 
 def test_a_mesh_that_cannot_be_corrected_does_not_count(monkeypatch):
@@ -284,7 +187,7 @@ def test_too_few_meshes_have_bars_or_do_not_count(fails, monkeypatch):
 
 def test_a_budget_that_is_gone_leaves_no_mesh():
     """Stages that begin after it end the command, on all ranks alike."""
-    data = run_converge(Request("blocks", budget=1e-9), SILENT)
+    data = converged("blocks", budget=1e-9)
     assert data["modes"] == data["levels"] == []
     assert data["first"].startswith("not reached: no mesh was solved")
 
@@ -293,9 +196,7 @@ def test_a_budget_that_is_gone_leaves_no_mesh():
     ("options", "named"),
     [
         (["--digits", "0"], "digits = 0"),
-        (["--growth-digits", "40"], "growth_digits = 40"),
         (["--budget", "-1"], "budget = -1.0"),
-        (["--sweep-digits", "0"], "sweep_digits = 0"),
         (["--redraw", "--unstable"], "unstable = True"),
     ],
 )

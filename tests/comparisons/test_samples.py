@@ -1,26 +1,20 @@
 """Samples of fields that are spread: probabilities of growth, and every sample's certificate."""
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
-from reference_data import stored
-from sweep_cases import MU, assert_within_bounds, made_once, sine_blocks
+from reference_data import COALESCENCES
+from sweep_cases import MU, assert_within_bounds, sine_blocks
 
 from cea.reduced.full_solves import first_threshold
-from cea.reduced.spectrum import ReducedSpectrum
-from cea.reduced.window import Window
 from comparisons.sweep.points import read_fields
-from comparisons.sweep.probabilities import continued, growing, probabilities
+from comparisons.sweep.probabilities import growing
 from comparisons.sweep.scene import mapped
-from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.study import Asked, run
 
-ENTRY = stored("blocks_sine_mu_thresholds")[0]
-MU_C = float(ENTRY["mu_c"])
+STIFFNESS, MU_C, OMEGA = COALESCENCES[0]
 CHANGES = (
-    f"contacts.interface.p={float(ENTRY['p'])}",
-    f"analysis.max_frequency={1.2 * float(ENTRY['omega']) / (2 * np.pi)}",
+    f"contacts.interface.p={STIFFNESS}",
+    f"analysis.max_frequency={1.2 * OMEGA / (2 * np.pi)}",
     "analysis.growth_threshold=1e-6",  # next to the threshold growth is slow
 )
 """The blocks about the first threshold that their exact solution knows."""
@@ -31,90 +25,40 @@ def asked(backend, *distributions, count=400, **options):
     return Asked("blocks", spread, sine_blocks(backend, *CHANGES), samples=count, **options)
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """Samples of mu about its threshold."""
-    spread = f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}"
-    return made_once(tmp_path_factory, lambda backend: asked(backend, spread, seed=5))
-
-
 def grows_in(swept):
     """Which modes of samples surely grow."""
     return growing(swept.spectra, swept.record["growth_threshold"], damped=False)[0]
 
 
 @pytest.mark.grid(quick=1)
-def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backend):
-    """Only mu varies: what grows is what was drawn above mu_c, sample by sample."""
-    swept, _ = made(backend)
-    data, values = swept.record, swept.points.values[:, 0]
+def test_the_probability_of_growth_is_that_of_passing_the_threshold(backend, tmp_path):
+    """Only mu varies: what grows is what was drawn above mu_c, sample by sample.
+
+    Both modes that coalesce are named and no other.
+    """
+    spread = f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}"
+    swept = run(asked(backend, spread, seed=5), tmp_path / "out")
+    swept.store.discard()
+    data, values, found = swept.record, swept.points.values[:, 0], grows_in(swept)
     scene = mapped("blocks", read_fields(["mu=0:1:2"]), sine_blocks(backend, *CHANGES))
     near, top = (0.9 * MU_C, 1.1 * MU_C), scene.window.max_frequency
     threshold = first_threshold(scene.driver, MU, *near, max_frequency=top).value
     scene.driver.free()
-    far = np.abs(values - threshold) > 1e-6 * threshold
-    np.testing.assert_array_equal(grows_in(swept).any(axis=1)[far], (values > threshold)[far])
+    far, grows = np.abs(values - threshold) > 1e-6 * threshold, found.any(axis=1)
+    np.testing.assert_array_equal(grows[far], (values > threshold)[far])
     exact = (1.08 * MU_C - threshold) / (0.15 * MU_C)
     assert data["any"]["low"] <= exact <= data["any"]["high"]
     assert abs(data["any"]["probability"] - exact) < 4 * data["any"]["standard_error"]
     assert data["certified"] == data["values"] == 400
-
-
-@pytest.mark.grid(quick=1)
-def test_both_modes_that_coalesce_are_named_and_no_other(made, backend):
-    swept, _ = made(backend)
-    data, found = swept.record, grows_in(swept)
     assert data["not_followed"] == 0
     assert len(data["modes"]) == 2
     for mode in data["modes"]:
         assert mode["grows"] == data["any"]["grows"]
         assert mode["seen"] == 400
-    grows = found.any(axis=1)
     assert (found[grows].sum(axis=1) == 2).all()
     growth = swept.spectra.largest[grows]
     assert data["any"]["fastest"] == pytest.approx(growth.max())
     assert data["any"]["growth"]["median"] == pytest.approx(np.median(growth))
-
-
-def test_single_modes_have_rows_where_nearly_all_are_followed():
-    rng, n = np.random.default_rng(3), 100
-    grows = rng.random(n) < 0.3
-
-    def spectra(unknown):
-        number = np.stack([np.where(np.arange(n) < unknown, -1, 0), np.ones(n, int)], axis=1)
-        told = {each.name: np.zeros((n, 2)) for each in fields(Spectra)} | {
-            "growth": np.stack([np.where(grows, 5.0, -5.0), np.full(n, -1.0)], axis=1),
-            "frequency": np.tile([100.0, 130.0], (n, 1)),
-            "uncertainty": np.full((n, 2), 0.1),
-            "verdict": np.stack([grows, np.zeros(n)], axis=1).astype(np.int8),
-            "number": number,
-        }
-        return Spectra(**told)
-
-    told = probabilities(spectra(5), 0.0, damped=True)
-    assert told["any"]["grows"] == grows.sum()
-    assert told["not_followed"] == grows[:5].sum()
-    (mode,) = told["modes"]
-    assert (mode["mode"], mode["grows"], mode["seen"]) == (0, grows[5:].sum(), 95)
-    assert not probabilities(spectra(50), 0.0, damped=True)["modes"]
-
-
-def test_modes_are_matched_by_shape():
-    """Where all frequencies rise, or shapes mix as two modes coalesce; a new mode has no match."""
-
-    def spectrum(kappa, right):
-        none = np.zeros(len(kappa))
-        window = Window.up_to(1.0, damped=False)
-        return ReducedSpectrum(none, none, none, none, none, kappa + 0j, right + 0j, right, window)
-
-    shapes, kappa = np.eye(4), np.array([10.0, 12.0, 14.0])
-    middle = spectrum(kappa, shapes[:, :3])
-    softer = spectrum(kappa * 12 / 14, shapes[:, :3])
-    assert continued(middle, softer).tolist() == [0, 1, 2]
-    pair = np.stack([shapes[0] + 1j * shapes[1], shapes[0] - 1j * shapes[1], shapes[3]], axis=1)
-    numbers = continued(middle, spectrum(kappa, pair))
-    assert sorted(numbers[:2]) == [0, 1]
-    assert numbers[2] == -1
 
 
 def test_samples_are_those_of_full_solves(backend, tmp_path):

@@ -3,18 +3,21 @@
 import json
 import re
 from pathlib import Path
+from tempfile import gettempdir
 
 import numpy as np
 import pytest
+from covering import covering
 from mpi import on_ranks
 from scipy.sparse import csr_array, save_npz
-from sweep_cases import sweep_of, threshold_numbers
+from sweep_cases import MU, eigenvalues, sine_blocks, sweep_of
 
+from cea.petsc import MPI
 from comparisons.cli.sweep import IN_PART
 from comparisons.sweep.page import headline
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import mapped
-from scenes import load_scene
+from scenes import assemble, load_scene
 
 DATA = Path(__file__).parent.parent / "data" / "thresholds"
 SINGLE = """
@@ -140,7 +143,28 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
     assert len(record["unresolved"]) <= 0.01 * len(values)
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
+def threshold_numbers(backend):
+    """What a map of the blocks comes to, and a threshold of the scene, in plain numbers."""
+    changes = sine_blocks(backend, "analysis.max_frequency=0.5")
+    name = f"thresholds_{MPI.COMM_WORLD.bcast(np.random.default_rng().integers(2**31))}"
+    axes, out = ("mu=0:0.6:9", "P=1:3:2"), Path(gettempdir()) / name
+    made = sweep_of("blocks", axes, out, changes, checks=0, confirm=0)
+    record, z = made.record, [eigenvalues(made, i) ** 2 for i in range(18)]
+    first = assemble(load_scene("blocks", changes)).threshold(MU, real=0.0, flutter=0.6)
+    return {
+        "modes": [len(each) for each in z],
+        "sums": [each.sum().real for each in z],
+        "squares": [(each**2).sum().real for each in z],
+        "solves": len(record["snapshots"]),
+        "values": [each["value"] for each in record["thresholds"]],
+        "changes": [each["change"] for each in record["thresholds"]],
+        "unresolved": len(record["unresolved"]),
+        "first": [first.value, first.frequency],
+    }
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("backend", "ranks"), covering(["fe", "iga"], [2, 3], strength=1))
 def test_maps_and_thresholds_are_the_same_on_several_ranks(backend, ranks):
     alone = on_ranks(1, threshold_numbers, backend)
     assert alone["values"]

@@ -58,9 +58,10 @@ def dense_pencil(matrices):
 
 def quadratic_eigenvalues(M, D, K):
     """Every lambda of lambda^2 M + lambda D + K, dense."""
-    n = len(M)
-    right = np.linalg.solve(M, np.hstack([-K, -D]))
-    return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))
+    n, K, D = len(M), np.linalg.solve(M, K), np.linalg.solve(M, D)
+    size = np.sqrt(np.abs(K).max())
+    low = np.hstack([-K / size**2, -D / size])
+    return size * eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [low]]))
 
 
 def gather(vector):

@@ -22,6 +22,13 @@ def stored(name):
     return json.loads((DATA / f"{name}.json").read_text())
 
 
+COALESCENCES = [
+    (float(entry["p"]), float(entry["mu_c"]), float(entry["omega"]))
+    for entry in stored("blocks_sine_mu_thresholds")
+]
+"""p, mu and Im lambda at which modes of the blocks with friction mu sin(pi x / 2) coalesce."""
+
+
 def eigenvalues(entry):
     """Lambda of an entry."""
     return np.array([complex(float(re), float(im)) for re, im in entry["lam"]])
