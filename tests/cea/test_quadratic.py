@@ -7,6 +7,7 @@ import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
 from damped_numbers import modally_damped_disc
+from dense_reference import dense_quadratic
 from mpi import on_ranks
 from petsc_matrices import to_petsc
 from random_pencils import pencil_of, random_quadratic
@@ -15,6 +16,7 @@ from scipy.sparse import diags_array, eye_array
 
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver, solve_modes
+from cea.eigen.field_of_values import bounded_growth, largest_growth
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.unformed import LowRank, UnformedTerm
@@ -212,3 +214,27 @@ def test_overdamped_modes_that_crowd_in_the_window_are_refused():
     end = 20.5 * np.pi
     with pytest.raises(ConvergenceError, match="min_growth"):
         solve_modes(overdamped(1200, end), end / (2 * np.pi), min_growth=-0.3 * end)
+
+
+def test_bounds_of_growth_hold():
+    bounds = 0
+    for seed in range(60):
+        problem = random_quadratic(seed)
+        end = 2 * np.pi * problem.max_frequency
+        values, errors = dense_quadratic(problem.mass, problem.damping, problem.stiffness, end)
+        inside = np.abs(values.imag) < end - errors
+        fastest = (values.real - 10 * errors)[inside].max(initial=-np.inf)
+        matrices = problem.pencil().at()
+        assert largest_growth(matrices, end) >= fastest
+        for part in (0.5, 1.5, 6.0):
+            if bounded_growth(matrices, part * end, end):
+                bounds += 1
+                assert fastest <= part * end
+    assert bounds > 60
+
+
+@pytest.mark.parametrize("growth", [0.5, -np.inf, np.nan])
+def test_lower_ends_of_windows_are_checked(growth):
+    pencil = hulten(0.1, 0.1)
+    with pytest.raises(InputError, match="min_growth"):
+        solve_modes(pencil, 1.0, min_growth=growth)

@@ -285,3 +285,9 @@ def test_bounds_that_are_too_large_leave_intervals_unresolved(bound):
         known = any(abs(each.value - value) <= each.error + 1e-12 for each in found.thresholds)
         left = any(each.low <= value <= each.high for each in found.unresolved)
         assert known or left
+
+
+def test_a_term_that_is_switched_off_is_no_reason_to_stop():
+    line = random_line(4)
+    line.stiffness = [line.stiffness[0], (lambda t: t**2, lambda t: 2 * t, line.stiffness[1][2])]
+    check(line, np.linspace(0, 1, 6))

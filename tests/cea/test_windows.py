@@ -14,7 +14,8 @@ from cea.eigen import window
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.field_of_values import field_of_values
 from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.regions import distance_of_cone
+from cea.eigen.regions import distance_of_cone, distance_within, touching_disc
+from cea.eigen.shifted import Shifted
 from cea.eigen.static import solve_static
 from cea.errors import ConvergenceError
 from scenes import load_scene, run_modes
@@ -210,3 +211,66 @@ def test_growth_just_above_the_window_is_hinted_at():
     scene = load_scene("blocks", ["analysis.max_frequency=0.46"], "iga")
     (hint,) = run_modes(scene).modes.window.hints
     assert "+0.0274 1/s at 0.46125" in hint
+
+
+@pytest.mark.parametrize(
+    ("backend", "of_contact", "mu"),
+    covering(["iga", "fe"], ["penalty", "saddle", "mortar", "both"], [1e-6, 0.3, 0.9, 3.0]),
+)
+def test_the_cone_holds_the_field_of_values(backend, mu, of_contact):
+    """Its slope is that of dense matrices, and a safety of one half."""
+    gpts = {"method": "gpts", "points": 3}
+
+    def pencil_in(form, method=gpts):
+        data = coarse(two_blocks(backend, method, held=True, mu=mu, P=2.0))
+        if form:
+            data["contacts"]["interface"]["form"] = form
+        return assemble(data).pencil().at()
+
+    if of_contact == "mortar":
+        matrices = pencil_in(None, {"method": "mortar"})
+    elif of_contact == "both":
+        matrices = replace(pencil_in("penalty"), multipliers=pencil_in("saddle").multipliers)
+    else:
+        matrices = pencil_in(of_contact)
+    assert (matrices.multipliers is None) == (of_contact == "penalty")
+    assert (matrices.unsymmetric is None) == (of_contact in ("saddle", "mortar"))
+    M, _, K = dense_pencil(matrices)
+    lowest = scipy.linalg.eigvalsh(0.5 * (K + K.T), M)[0]
+    depth = max(0.0, -1.5 * lowest) + 0.1
+    found = field_of_values(matrices, depth, cone=True)
+    slope = scipy.linalg.eigvalsh(0.5j * (K.T - K), 0.5 * (K + K.T) + depth * M)[-1]
+    assert found == pytest.approx(1.5 * slope, rel=0.02)
+    kappa = scipy.linalg.eigvals(K, M)
+    assert (np.abs(kappa.imag) <= found * (kappa.real + depth) * (1 + 1e-9)).all()
+
+
+def test_signs_of_determinants_know_damping_of_low_rank():
+    """Negative stiffness: some shifts have an odd number of real eigenvalues beyond them."""
+    rng = np.random.default_rng(4)
+    stiffness = np.diag([-2.0, -1.0, 3.0, 4.0]) + 0.1 * rng.standard_normal((4, 4))
+    piece = rng.standard_normal((4, 3)), np.array([1.0, 5.0, 0.3])
+    matrices = pencil_of(np.eye(4), None, stiffness, piece).at()
+    M, C, K = dense_pencil(matrices)
+    found = []
+    for shift in np.linspace(0.05, 2.0, 12):
+        factors = Shifted.quadratic(matrices, float(shift))
+        sign = np.sign(np.linalg.det(shift**2 * M + shift * C + K))
+        assert factors.parity() == int(sign < 0)
+        found.append(factors.parity())
+        factors.free()
+    assert set(found) == {0, 1}
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.1, 3.0, 1e3])
+def test_the_disc_covers_every_growth_to_its_depth(depth):
+    """Modes with Im lambda <= 1 and Re kappa >= -depth lie in it, those above 1.02 do not."""
+    rng = np.random.default_rng(1)
+    value = rng.uniform(-2 - depth, 2 + depth, 100_000) + 1j * rng.uniform(0, 1, 100_000)
+    kappa = -(value**2)
+    kappa = kappa[kappa.real >= -depth]
+    centre = touching_disc(1.0, depth)
+    radius = distance_within(1.0, centre, -depth, 1.0)
+    assert len(kappa) > 1000
+    assert (np.abs(kappa - centre) <= radius).all()
+    assert centre + radius < 1.02

@@ -1,6 +1,7 @@
 """``cea converge``: bars beside exact eigenvalues, what is said where digits are not reached."""
 
 import json
+from itertools import count
 from math import pi
 
 import numpy as np
@@ -12,6 +13,7 @@ from reference_data import exact as whole_spectrum
 
 from cea.eigen.matching import assign
 from cea.errors import ConvergenceError, InputError
+from comparisons.converge import ladder
 from comparisons.converge.bars import pair
 from comparisons.converge.ladder import RATIO, Ladder
 from comparisons.converge.page import read_converge, write_converge
@@ -246,3 +248,30 @@ def test_modes_are_the_same_on_any_number_of_ranks():
     one, several = (on_ranks(n, blocks_to_three_digits) for n in (1, 3))
     assert several["first"] == one["first"]
     np.testing.assert_allclose(several["values"], one["values"], rtol=1e-6, atol=1e-8)
+
+
+@pytest.mark.slow
+def test_meshes_and_bars_do_not_depend_on_the_clock(result, monkeypatch):
+    """On a machine that takes a minute for whatever it does."""
+    clock = count(step=60)
+    monkeypatch.setattr(ladder, "perf_counter", lambda: next(clock))
+    slow = converged("blocks", digits=4, budget=1e9)
+    assert [each["elements"] for each in slow["levels"] if each["backend"] == "iga"] == [
+        each["elements"] for each in result["levels"] if each["backend"] == "iga"
+    ]
+    assert slow["modes"] == result["modes"]
+
+
+def test_a_backend_whose_meshes_fail_is_warned_of(monkeypatch):
+    run = Ladder.run
+
+    def failing(ladder, number, progress):
+        if ladder.backend == "iga":
+            raise ConvergenceError("lost")
+        return run(ladder, number, progress)
+
+    monkeypatch.setattr(Ladder, "run", failing)
+    data = converged("blocks", digits=2)
+    assert data["held"]
+    told = [each["message"] for each in data["warnings"] if each["kind"] == "backend-ended"]
+    assert told == ["iga: no further mesh: lost"]

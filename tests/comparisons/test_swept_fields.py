@@ -147,3 +147,24 @@ def test_thresholds_in_full_lie_between_values(monkeypatch):
     for each in exact.record["thresholds"]:
         assert any(abs(each["value"] - t["value"]) <= t["error"] for t in told)
     assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]
+
+
+@pytest.mark.parametrize(
+    ("name", "axis"),
+    [
+        ("pressed", f"{PRESSURE}=1e-3:1e-2:2"),
+        ("pressed", f"{MU}=0:0.3:2"),
+        ("rotating_pressed", "bodies.inner.rotation.rate=0:0.2:2"),
+        ("rotating_pressed", "bodies.inner.material.rho=1:2:2"),
+    ],
+)
+def test_what_moves_the_state_of_sliding_has_no_map(file_of, name, axis):
+    with pytest.raises(NoMapError):
+        mapped(file_of(name), [read_axis(axis)])
+
+
+def test_a_field_without_a_map_is_solved_in_full(cea):
+    axis = "bodies.upper.material.nu=0.2:0.3:2"
+    code, told, fault = cea("sweep", "blocks", axis, "--set", "analysis.max_frequency=0.3")
+    assert not code, fault
+    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told
