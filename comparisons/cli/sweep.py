@@ -10,7 +10,6 @@ from typer import Argument, Option
 from comparisons.cli import options
 
 IN_PART = 3  # exit code for unresolved intervals, or digits that were not reached
-_CONFIRM = 3  # default number of thresholds confirmed by full solves
 _EVERY = 10_000  # confirms all thresholds: more than a sweep finds
 
 
@@ -32,7 +31,7 @@ def sweep(
     tolerance: Annotated[float, Option(help="Target of relative error bounds of lambda.")] = 1e-8,
     solves: Annotated[int, Option(help="Largest number of full solves.")] = 150,
     checks: Annotated[int, Option(help="Full solves at random values, to test bounds.")] = 2,
-    confirm: Annotated[int, Option(help="Thresholds confirmed by full solves.")] = _CONFIRM,
+    confirm: Annotated[int | None, Option(help="Thresholds solved in full; 3 by default.")] = None,
     redraw: options.Redraw = False,
     out: options.Out = Path("results/sweep"),
 ) -> None:
@@ -43,41 +42,43 @@ def sweep(
     field by a full solve at each value. Distributions are sampled, and the probability of growth
     of each mode is reported.
     """
-    from comparisons.sweep.page import read_sweep, write_sweep
+    from comparisons.cli.output import print_frame, print_warnings, working
+    from comparisons.sweep.page import FILE, answer_table, first_lines, read_sweep, write_sweep
     from comparisons.sweep.points import Axis, read_fields
-    from comparisons.sweep.study import Asked
+    from comparisons.sweep.study import Asked, run
+    from scenes.results.folder import check_out
 
     options.need("pictures", "maps")
     options.refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
     overrides, fields = options.with_backend(scene, set_ or (), backend), read_fields(axes)
+    of_samples: dict[str, Any] = {"samples": samples, "seed": seed}
+    of_axes: dict[str, Any] = {"full": full or None, "confirm": confirm}
     if isinstance(fields[0], Axis):
-        options.refuse(
-            {"samples": samples, "seed": seed}, "but for distributions: mu~normal:0.4:0.05"
-        )
+        options.refuse(of_samples, "but for distributions: mu~normal:0.4:0.05")
     else:
-        more = None if confirm == _CONFIRM else confirm
-        options.refuse({"full": full, "confirm": more}, "for samples, solved by a reduced model")
-    asked = Asked(
-        scene,
-        fields,
-        overrides,
-        data,
-        samples=2000 if samples is None else samples,
-        seed=seed or 0,
-        tolerance=tolerance,
-        most=solves,
-        checks=checks,
-        confirm=confirm,
-        full=full,
-    )
-    if not redraw:
-        _sweep(asked, out)
-        return
-    made, given = read_sweep(out), asked.plain()
-    same = {name: given[name] for name in ("scene", "fields")}
-    options.refuse_another(same, made.record["inputs"])
+        options.refuse(of_axes, "for samples, solved by a reduced model")
+    given = {name: each for name, each in (of_samples | of_axes).items() if each is not None}
+    limits: dict[str, Any] = {"tolerance": tolerance, "most": solves, "checks": checks}
+    asked = Asked(scene, fields, overrides, data, **limits, **given)
+    if redraw:
+        made, told = read_sweep(out), asked.plain()
+        same = {name: told[name] for name in ("scene", "fields")}
+        options.refuse_another(same, made.record["inputs"])
+    else:
+        check_out(out)
+        with working("sweep") as work:
+            made = run(asked, out, work.stage)
     page = options.deliver(lambda folder: write_sweep(made, folder), out)
+    if made.store is not None:
+        made.store.discard()
+    for line in first_lines(made):
+        typer.echo(line)
+    print_frame(answer_table(made), made)
+    print_warnings(made.record["warnings"])
+    typer.echo(f"Every value: {out / FILE}")
     typer.echo(f"The page to open: {page}")
+    if made.record["unresolved"] and not redraw:
+        raise typer.Exit(IN_PART)
 
 
 def threshold(
@@ -94,39 +95,10 @@ def threshold(
     is reported as unresolved, and the exit code is 3.
     """
     from comparisons.sweep.points import read_axis
-    from comparisons.sweep.study import Asked
 
-    options.need("pictures", "maps")
-    fields = tuple(read_axis(axis) for axis in axes)
-    overrides = options.with_backend(scene, set_ or (), backend)
-    _sweep(Asked(scene, fields, overrides, data, confirm=_EVERY), out)
-
-
-def _sweep(asked: Any, out: Path) -> None:
-    """Run a sweep, print its result and write its page."""
-    from comparisons.cli.output import print_frame, print_warnings, working
-    from comparisons.sweep.page import FILE, answer_table, headline, quality, words, write_sweep
-    from comparisons.sweep.study import run
-    from scenes.results.folder import check_out
-
-    check_out(out)
-    with working("sweep") as work:
-        made = run(asked, out, work.stage)
-    page = options.deliver(lambda folder: write_sweep(made, folder), out)
-    if made.store is not None:
-        made.store.discard()
-    data = made.record
-    typer.echo(headline(data))
-    typer.echo(words(made))
-    typer.echo(quality(data))
-    print_frame(answer_table(made), made)
-    print_warnings(data["warnings"])
-    if "why" in data:
-        typer.echo(f"Solved in full at each value: {data['why']}")
-    typer.echo(f"Every value: {out / FILE}")
-    typer.echo(f"The page to open: {page}")
-    if data["unresolved"]:
-        raise typer.Exit(IN_PART)
+    for axis in axes:
+        read_axis(axis)  # refuses distributions
+    sweep(scene, axes, set_, backend, data, confirm=_EVERY, out=out)
 
 
 def converge(
@@ -147,10 +119,11 @@ def converge(
 ) -> None:
     """Refine a scene until its modes reach the requested digits, and report their error bars."""
     begun = perf_counter()
-    from comparisons.cli.output import console, print_frame, print_warnings, say, working
-    from comparisons.converge.page import LEVELS, MODES, read_converge, write_converge
+    from comparisons.cli.output import print_frame, print_warnings, working
+    from comparisons.converge.page import LEVELS, MODES, write_converge
     from comparisons.converge.request import Request
-    from comparisons.converge.study import run_converge
+    from comparisons.converge.study import COMMAND, run_converge
+    from comparisons.study.result import read_result
     from comparisons.study.session import Progress
     from scenes.results.folder import check_out
 
@@ -160,25 +133,19 @@ def converge(
     asked = scene, digits, growth_digits, backends, budget, unstable, sweep_digits
     request = Request(*asked, tuple(set_ or ()))
     if redraw:
-        data = read_converge(out)
+        data = read_result(out, COMMAND)
         options.refuse_another({"scene": scene}, data["inputs"])
-        page = options.deliver(lambda folder: write_converge(data, folder), out)
-        typer.echo(f"The page to open: {page}")
-        return
-    check_out(out)
-    with working("converge") as work:
-
-        def begin(name: str) -> None:
-            say(console, f"· {name}")
-            work.step(name)
-
-        data = run_converge(request, Progress(step=begin, stage=work.stage), begun)
-        page = options.deliver(lambda folder: write_converge(data, folder), out)
+    else:
+        check_out(out)
+        with working("converge") as work:
+            progress = Progress(step=work.step, stage=work.stage)
+            data = run_converge(request, progress, begun)
+    page = options.deliver(lambda folder: write_converge(data, folder), out)
     for line in (data["first"], data["words"], *data["hints"]):
         typer.echo(line)
     print_frame(MODES, data)
     print_frame(LEVELS, data)
     print_warnings(data["warnings"])
     typer.echo(f"The page to open: {page}")
-    if not data["held"]:
+    if not data["held"] and not redraw:
         raise typer.Exit(IN_PART)

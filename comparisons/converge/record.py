@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace
-from math import floor, log10, tau
+from math import floor, inf, log10, tau
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from comparisons.converge.combine import Mode
 from comparisons.converge.follow import Followed
 from comparisons.converge.ladder import Mesh, elements_of
 from comparisons.converge.request import Request, half_unit
+from comparisons.study.numbers import counted
 from comparisons.study.run_warnings import Run, merged_warnings
 from scenes.refinement.meshes import moved_to_mortar
 from scenes.running.modes import STATE_KEPT
@@ -35,34 +36,32 @@ def data_of(
     inside = [mode for mode in modes if mode.frequency <= top]
     above = [mode for mode in modes if mode.frequency > top]
     finest = {backend: each.meshes[-1] for backend, each in followed.items()}
-    errors = [
-        (mesh, {"backend": backend, **_level(mesh), **_errors(mesh, inside)})
-        for backend, each in followed.items()
-        for mesh in each.meshes
-    ]
+    scenes = {f"finest_{backend}": mesh.scene for backend, mesh in finest.items()}
+    levels, least = list[dict[str, Any]](), inf
+    for backend, each in followed.items():
+        for mesh in each.meshes:
+            levels.append(_level(mesh, backend, inside))
+            bound = levels[-1]["bound"]
+            enough = bound is not None and bound <= half_unit(request.sweep_digits)
+            if enough and mesh.dofs < least:
+                least, scenes["for_sweeps"] = mesh.dofs, mesh.scene
     held, first = False, f"not reached: no mesh was solved; {_reasons(ended)}"
-    words = ""
-    found_hints: list[str] = []
+    words, hints = "", list[str]()
     if finest:
         held, first = _held(inside, ended, request, threshold)
         searched = _window(inside, above, [mesh.window for mesh in finest.values()], top)
         growth = [mode.estimated.value.real for mode in inside]
         words = searched.headline([mode.word for mode in inside], growth, threshold)
-        found_hints = searched.hints
-    scenes = {f"finest_{backend}": mesh.scene for backend, mesh in finest.items()}
-    tolerance = half_unit(request.sweep_digits)
-    enough = [(m, e) for m, e in errors if e["bound"] is not None and e["bound"] <= tolerance]
-    if enough:
-        scenes["for_sweeps"] = min(enough, key=lambda each: each[0].dofs)[0].scene
+        hints = searched.hints
     return {
         "first": first,
         "max_frequency": top,
         "growth_threshold": threshold,
         "held": held,
         "words": words,
-        "hints": found_hints,
+        "hints": hints,
         "modes": [mode.plain() for mode in inside],
-        "levels": [plain for _, plain in errors],
+        "levels": levels,
         "ended": dict(ended),
         "mortar": moved_to_mortar(scene),
         "scenes": {name: scene_text(each) for name, each in scenes.items()},
@@ -77,21 +76,20 @@ def _held(
     threshold: float | None,
 ) -> tuple[bool, str]:
     """Return whether all digits are reached, and a line that states it."""
+    wanted = {"frequency": request.digits, "growth": request.of_growth}
     asked = [mode.shortfalls(request, threshold) for mode in modes]
-    of_frequency = [f <= 1 for f, _ in asked]
-    of_growth = [g <= 1 for mode, (_, g) in zip(modes, asked, strict=True) if g > 0]
-    line = f"{_digits(request.digits)} of frequency in {sum(of_frequency)} of {len(modes)} modes"
-    if of_growth:
-        line += f", {request.of_growth} of growth in {sum(of_growth)} of {len(of_growth)}"
+    growths = [growth for _, growth in asked if growth > 0]
+    reached = sum(frequency <= 1 for frequency, _ in asked)
+    line = f"{counted(request.digits, 'digit')} of frequency in {reached} of {len(modes)} modes"
+    if growths:
+        reached = sum(growth <= 1 for growth in growths)
+        line += f", {request.of_growth} of growth in {reached} of {len(growths)}"
     short = []
-    for mode, (frequency, growth) in zip(modes, asked, strict=True):
-        for name, shortfall, wanted in (
-            ("frequency", frequency, request.digits),
-            ("growth", growth, request.of_growth),
-        ):
+    for mode, shortfalls in zip(modes, asked, strict=True):
+        for (name, digits), shortfall in zip(wanted.items(), shortfalls, strict=True):
             if shortfall > 1:
-                reached = floor(wanted - log10(shortfall))
-                short.append(f"{name} of {mode.frequency:.6g} Hz ({_digits(max(0, reached))})")
+                own = counted(max(0, floor(digits - log10(shortfall))), "digit")
+                short.append(f"{name} of {mode.frequency:.6g} Hz ({own})")
     if short:
         more = f" and {len(short) - 3} more" if len(short) > 3 else ""
         line += f"; not reached: {', '.join(short[:3])}{more}; {_reasons(ended)}"
@@ -100,10 +98,6 @@ def _held(
 
 def _reasons(ended: Mapping[Backend, str]) -> str:
     return "; ".join(f"{backend}: {reason}" for backend, reason in ended.items() if reason)
-
-
-def _digits(count: int) -> str:
-    return f"{count} digit{'s' * (count != 1)}"
 
 
 def _window(inside: list[Mode], above: list[Mode], windows: list[Window], top: float) -> Window:
@@ -117,30 +111,28 @@ def _window(inside: list[Mode], above: list[Mode], windows: list[Window], top: f
     return replace(window, max_frequency=top, growing_above=grow, lowest=lowest)
 
 
-def _level(mesh: Mesh) -> dict[str, Any]:
-    return {
+def _level(mesh: Mesh, backend: Backend, modes: list[Mode]) -> dict[str, Any]:
+    """Return size and time of a mesh, and ``worst``: its largest error relative to abs(lambda).
+
+    The error is the distance from the final eigenvalue; ``bound`` adds the bar of the latter.
+    """
+    row = {
+        "backend": backend,
         **asdict(mesh.resolution),
         "elements": elements_of(mesh.scene),
         "dofs": mesh.dofs,
         "seconds": mesh.seconds,
     }
-
-
-def _errors(mesh: Mesh, modes: list[Mode]) -> dict[str, Any]:
-    """Return the worst distance of a mesh's eigenvalues from the final ones over abs(lambda).
-
-    ``bound`` is the worst distance plus the bar of the final value.
-    """
     moving = [mode.estimated for mode in modes if not mode.rigid]
     final = np.array([own.value for own in moving], complex)
     if not len(final) or len(mesh.eigenvalues) < len(final):
-        return {"worst": None, "bound": None}
+        return row | {"worst": None, "bound": None}
     bars = np.array([np.hypot(own.frequency_bar, own.growth_bar) for own in moving])
     distance = np.abs(mesh.eigenvalues[None, :] - final[:, None])
     apart = distance[assign(distance / np.abs(final)[:, None])]
     bound = float(((apart + bars) / np.abs(final)).max())
     worst = float((apart / np.abs(final)).max())
-    return {"worst": worst, "bound": bound}
+    return row | {"worst": worst, "bound": bound}
 
 
 def _warnings(
@@ -181,7 +173,7 @@ def _warnings(
     found += [
         {
             "kind": kind,
-            "message": f"{text} {len(where)} mode{'s' * (len(where) > 1)}",
+            "message": f"{text} {counted(len(where), 'mode')}",
             "data": {"frequencies": where},
         }
         for kind, (text, where) in kinds.items()

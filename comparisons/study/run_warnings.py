@@ -47,13 +47,14 @@ def _message(places: Sequence[Mapping[str, Any]], total: int, what: str) -> str:
         return str(message)
     where = f"at all {total} {what}"
     if len(places) < total:
-        few = f": {'; '.join(map(_named, points))}" if len(points) <= _LISTED else ""
+        few = f": {'; '.join(map(named, points))}" if len(points) <= _LISTED else ""
         where = f"at {len(places)} of {total} {what}{few}"
     if any(place["message"] != message for place in places):
-        where = f"at {_named(points[0])}, similar {where}"
+        where = f"at {named(points[0])}, similar {where}"
     return f"{message} ({where})"
 
 
-def _named(point: Mapping[str, Any]) -> str:
+def named(point: Mapping[str, Any]) -> str:
+    """Names and values of a point as text."""
     values = ((n, f"{v:.6g}" if isinstance(v, float) else v) for n, v in point.items())
     return ", ".join(f"{name} = {value}" for name, value in values)

@@ -14,8 +14,8 @@ from comparisons.study.numbers import counted, shown
 from comparisons.study.page import REPORT, write
 from comparisons.study.plots import AXIS, BLUE, GREY, VERMILION
 from comparisons.study.result import RESULT, Data, read_result
-from comparisons.study.run_warnings import kinds_at
-from comparisons.study.sections import Drawing, Plot, Section, Table
+from comparisons.study.run_warnings import kinds_at, named
+from comparisons.study.sections import Section, Table
 from comparisons.sweep.points import Points
 from comparisons.sweep.spectra import HINT, UNSTABLE, read_netcdf, write_netcdf
 from comparisons.sweep.study import COMMAND, Swept
@@ -53,8 +53,7 @@ def read_sweep(out: Path) -> Swept:
     if grid:
         points = Points.of_axes(names, values, log=bool(data["inputs"]["fields"][0]["log"]))
     else:
-        cut = tuple(field["cut"] for field in told)
-        points = Points(names, np.stack(values, axis=1), cut=cut)
+        points = Points(names, np.stack(values, axis=1))
     return Swept(data, points, spectra, None)
 
 
@@ -70,7 +69,7 @@ def headline(data: Data) -> str:
     level = f"growth_threshold {data['growth_threshold'] or 0:g} 1/s"
     count, unresolved = len(data["thresholds"]), len(data["unresolved"])
     if others:
-        told = f"{count} thresholds along {first['name']} ({level})."
+        told = f"{counted(count, 'threshold')} along {first['name']} ({level})."
     elif begun:
         one = min(begun, key=lambda each: each["value"])
         told = (
@@ -84,7 +83,12 @@ def headline(data: Data) -> str:
     return told + (f" {unresolved} intervals unresolved." if unresolved else "")
 
 
-def words(made: Swept) -> str:
+def first_lines(made: Swept) -> list[str]:
+    """Return the main result, the modes where growth is fastest, and how certain all this is."""
+    return [headline(made.record), _fastest(made), _quality(made.record)]
+
+
+def _fastest(made: Swept) -> str:
     """Return the number of modes of each class at the point of the largest growth rate."""
     data, points, spectra = made.record, made.points, made.spectra
     if not spectra.there.any():
@@ -92,17 +96,16 @@ def words(made: Swept) -> str:
     point = int(np.unravel_index(np.nanargmax(spectra.growth), spectra.growth.shape)[0])
     there = spectra.there[point]
     growth, verdicts = spectra.growth[point][there], spectra.verdict[point][there]
-    at = zip(points.names, points.values[point], strict=True)
-    told = ", ".join(f"{name} = {value:.6g}" for name, value in at)
+    at = named(dict(zip(points.names, points.values[point], strict=True)))
     counts = counted_words([WORDS[i] for i in verdicts], growth.tolist(), data["growth_threshold"])
-    return f"Largest growth rate at {told}: {counted(len(growth), 'mode')}: {counts}."
+    return f"Largest growth rate at {at}: {counted(len(growth), 'mode')}: {counts}."
 
 
-def quality(data: Data) -> str:
+def _quality(data: Data) -> str:
     """Return how many values are certified, and the size of the reduced model, in a sentence."""
     told = f"{data['certified']} of {data['values']} values "
     if "why" in data:
-        told += "solved in full"
+        told += f"have an answer. Solved in full at each value: {data['why']}"
     else:
         told += (
             f"certified, the worst relative bound is {data['worst']:.2g}; {max(data['vectors'])} "
@@ -115,74 +118,66 @@ def quality(data: Data) -> str:
 
 def sections_of(made: Swept) -> list[Section]:
     """Return the sections of the page of a sweep."""
-    data, few = made.record, len(made.points.values) <= _ON_PAGE
-    first = f"{headline(data)} {words(made)} {quality(data)}"
-    drawn: Plot | Drawing = SAMPLES
-    if made.points.axes:
-        drawn = line_figure if len(made.points.axes) == 1 else map_figure
-    why, basis = "", []
-    if "why" in data:
-        why = f"Solved in full at each value: {data['why']}"
-    else:
-        caption = "Full solves of the basis, and error of the reduced model before each of them."
-        basis.append(Table("full_solves", caption, full_solves, _columns(made)))
-    title = "Thresholds" if made.points.axes else "Probability of growth"
-    every = Table("sweep", "All values.", values, _columns(made), shown=few)
+    own, few = _columns(made), len(made.points.values) <= _ON_PAGE
+    drawing = map_figure if len(made.points.axes) > 1 else line_figure
+    every = "All values: number of modes, growth rate and frequency of the fastest."
+    basis = "Full solves of the basis, and error of the reduced model before each of them."
     return [
-        Section("What grows where", why, lambda _: first, [], [drawn]),
+        Section(
+            "What grows where",
+            headline=lambda made: " ".join(first_lines(made)),
+            tables=[answer_table(made)],
+            plots=[drawing],
+        ),
         Section("Warnings", tables=[Table("warnings", "", lambda made: warned(made.record))]),
-        Section(title, tables=[answer_table(made)]),
-        Section("Values", tables=[every]),
-        Section("Full solves", tables=basis),
+        Section("Values", tables=[Table("sweep", every, values, own, shown=few)]),
+        Section("Full solves", tables=[Table("full_solves", basis, full_solves, own)]),
     ]
 
 
 def _columns(made: Swept) -> dict[str, Column]:
-    """Return the columns of the fields, and those of all sweeps."""
-    return OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
+    """Return the columns of sweeps that are not shared: the fields, and a difference."""
+    fields = {name: Column(name, show="{:.10g}".format) for name in made.points.names}
+    return fields | {"full": Column("full solve differs by", show=shown(2, sign=True))}
 
 
 def answer_table(made: Swept) -> Table:
     """Return the table of thresholds, or of probabilities for samples."""
-    data, names = made.record, made.points.names
+    data = made.record
     if not made.points.axes:
-        caption = f"Growing samples of {data['values']}; 95 per cent confidence intervals."
-        return Table("probability", caption, probability, OWN)
-    told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval accepted by count"
-    if "why" in data:
-        told = "the step between values, each of which is solved in full"
-    caption = f"Where the number of growing modes changes along {names[0]}. Resolution: {told}."
-    own = _columns(made) | {names[0]: Column(names[0], show=shown(10))}
-    return Table("thresholds", caption, thresholds, own)
+        caption = (
+            f"Growing samples of {data['values']}. From low to high: 95 per cent confidence "
+            "interval of the probability; growth: 5, 50 and 95 per cent quantiles (1/s)."
+        )
+        return Table("probability", caption, probability)
+    caption = f"Where the number of growing modes changes along {made.points.names[0]}."
+    if data["resolution"]:
+        caption += f" Widest interval accepted by count alone: {data['resolution']:.1e}."
+    return Table("thresholds", caption, thresholds, _columns(made))
 
 
 def thresholds(made: Swept) -> pd.DataFrame:
     """Return a row for each threshold and each unresolved interval."""
-    first, *others = made.points.names
-    rows = []
-    for each in (*made.record["thresholds"], *made.record["unresolved"]):
-        if "kind" in each:
-            value, bound, what = each["value"], each["error"], _WHAT[each["kind"]]
-            told = what[each["change"] < 0]
-        else:
-            value, bound = (each["high"] + each["low"]) / 2, (each["high"] - each["low"]) / 2
-            told = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
-        frequency = None if each["im"] is None else each["im"] / (2 * np.pi)
-        place = [*(each[name] for name in others), value]
-        rows.append([*place, bound, frequency, told, each.get("full_solve_differs")])
-    return pd.DataFrame(rows, columns=[*others, first, "bound", "frequency", "what", "full"])
+    (first, *others), rows = made.points.names, []
+    for each in made.record["thresholds"]:
+        what = _WHAT[each["kind"]][each["change"] < 0]
+        rows.append(each | {first: each["value"], "bound": each["error"], "what": what})
+    for each in made.record["unresolved"]:
+        middle, half = (each["high"] + each["low"]) / 2, (each["high"] - each["low"]) / 2
+        what = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
+        rows.append(each | {first: middle, "bound": half, "what": what})
+    columns = [*others, first, "bound", "im", "what", "full_solve_differs"]
+    frame = pd.DataFrame(rows, columns=columns)
+    frame["im"] = frame["im"].astype(float) / (2 * np.pi)
+    return frame.rename(columns={"im": "frequency", "full_solve_differs": "full"})
 
 
 def full_solves(made: Swept) -> pd.DataFrame:
-    """Return a row for each full solve."""
-    solves = made.record["snapshots"]
-    firsts = [group[0] for group in made.record["parameters"]]
+    """Return a row for each full solve: all parameters, and what it tested."""
     return pd.DataFrame(
-        [
-            {name: each["point"][name] for name in firsts}
-            | {"error over its bound": each["tested"], "window complete": each["complete"]}
-            for each in solves
-        ]
+        each["point"]
+        | {"error over its bound": each["tested"], "window complete": each["complete"]}
+        for each in made.record["snapshots"]
     )
 
 
@@ -211,59 +206,35 @@ def probability(made: Swept) -> pd.DataFrame:
     """Return a row for all modes together, and one for each mode that may grow."""
     data = made.record
     together = {"mode": "any", "frequency": None, "seen": data["values"]} | data["any"]
-    return pd.DataFrame(
-        [
-            {"mode": str(each["mode"])}
-            | {name: value for name, value in each.items() if name not in ("mode", "growth")}
-            | {f"growth_{name}": value for name, value in each["growth"].items()}
-            for each in (together, *data["modes"])
-        ]
-    )
-
-
-OWN = {
-    "mode": Column("mode"),
-    "growth": Column("fastest growth", "1/s", shown(5, sign=True)),
-    "bound": Column("bound", show=shown(2)),
-    "full": Column("full solve differs by", show=shown(2, sign=True)),
-    "frequency": Column("frequency", "Hz", shown(7)),
-    "what": Column("what"),
-    "seen": Column("in the window", show=shown(7)),
-    "low": Column("from", show=shown(4)),
-    "high": Column("to", show=shown(4)),
-    "fastest": Column("fastest", "1/s", shown(4)),
-    "growth_low": Column("growth, 5 %", "1/s", shown(4)),
-    "growth_median": Column("median", "1/s", shown(4)),
-    "growth_high": Column("95 %", "1/s", shown(4)),
-}
-"""Titles, units and formats of the columns of sweeps."""
+    return pd.json_normalize([together, *data["modes"]], sep="_")
 
 
 def line_figure(made: Swept) -> Figure:
-    """Draw growth rates and frequencies of all modes along an axis, unstable ones in colour."""
+    """Draw growth rates and frequencies of all modes over each field, unstable ones in colour."""
     data, points, spectra = made.record, made.points, made.spectra
-    figure = Figure(figsize=(7.2, 6.4), layout="constrained")
-    growth, frequency = figure.subplots(2, 1, sharex=True)
-    values = np.broadcast_to(points.values, spectra.growth.shape)
+    count, end = len(points.names), data["max_frequency"]
+    figure = Figure(figsize=(3.6 + 3.6 * count, 6.4), layout="constrained")
+    panels = figure.subplots(2, count, sharex="col", sharey="row", squeeze=False)
+    panels[0, 0].set_ylabel("growth rate (1/s)")
+    panels[1, 0].set_ylabel("frequency (Hz)")
     unstable = spectra.verdict == UNSTABLE
-    for space, rates in ((growth, spectra.growth), (frequency, spectra.frequency)):
-        for chosen, colour, size in ((~unstable, GREY, 1.5), (unstable, VERMILION, 4.0)):
-            space.plot(values[chosen], rates[chosen], ".", color=colour, ms=size)
-        for each in data["unresolved"]:
-            space.axvspan(each["low"], each["high"], hatch="///", alpha=0.2, color=GREY)
-        if points.logarithmic:
-            space.set_xscale("log")
-    for each in data["thresholds"]:
-        at, height = each["value"], each["im"] / (2 * np.pi)
-        frequency.errorbar(at, height, xerr=each["error"], fmt="o", color=BLUE, ms=4)
-        growth.axvline(at, color=AXIS, linewidth=0.5, linestyle=":")
-    growth.axhline(0.0, color=AXIS, linewidth=0.8)
-    growth.set_ylabel("growth rate (1/s)")
-    frequency.set_ylabel("frequency (Hz)")
-    frequency.set_xlabel(points.names[0])
-    end = data["max_frequency"]
-    frequency.axhline(end, color=AXIS, linewidth=0.8, linestyle="--")
-    frequency.axhspan(end, HINT * end, color=GREY, alpha=0.2)
+    for name, drawn, (growth, frequency) in zip(
+        points.names, points.values.T, panels.T, strict=True
+    ):
+        values = np.broadcast_to(drawn[:, None], spectra.growth.shape)
+        for space, rates in ((growth, spectra.growth), (frequency, spectra.frequency)):
+            for chosen, colour, size in ((~unstable, GREY, 1.5), (unstable, VERMILION, 4.0)):
+                space.plot(values[chosen], rates[chosen], ".", color=colour, ms=size)
+            for each in data["unresolved"]:
+                space.axvspan(each["low"], each["high"], hatch="///", alpha=0.2, color=GREY)
+        for each in data["thresholds"]:
+            at, height = each["value"], each["im"] / (2 * np.pi)
+            frequency.errorbar(at, height, xerr=each["error"], fmt="o", color=BLUE, ms=4)
+            growth.axvline(at, color=AXIS, linewidth=0.5, linestyle=":")
+        growth.axhline(0.0, color=AXIS, linewidth=0.8)
+        frequency.axhline(end, color=AXIS, linewidth=0.8, linestyle="--")
+        frequency.axhspan(end, HINT * end, color=GREY, alpha=0.2)
+        frequency.set(xlabel=name, xscale="log" if points.logarithmic else "linear")
     return figure
 
 
@@ -294,14 +265,9 @@ def map_figure(made: Swept) -> Figure:
         of_kind = [each for each in here if (each["change"] > 0) == begins]
         at = [each["value"] for each in of_kind], [each[points.names[1]] for each in of_kind]
         space.plot(*at, look, color=VERMILION, ms=2.5)
-    if points.logarithmic:
-        space.set_xscale("log")
-    if (y > 0).all() and y.max() > 20 * y.min():
-        space.set_yscale("log")
-    space.set_xlabel(points.names[0])
-    space.set_ylabel(points.names[1])
-    tolerance = data["inputs"]["tolerance"]
-    row, column = np.nonzero(plane(spectra.bound) > tolerance)
+    scales = ["log" if field["log"] else "linear" for field in data["inputs"]["fields"]]
+    space.set(xlabel=points.names[0], ylabel=points.names[1], xscale=scales[0], yscale=scales[1])
+    row, column = np.nonzero(plane(spectra.bound) > data["inputs"]["tolerance"])
     space.plot(x[column], y[row], "+", color=GREY, ms=4)
     above = np.isfinite(plane(spectra.above_growth))
     if above.any():
@@ -311,21 +277,3 @@ def map_figure(made: Swept) -> Figure:
 
 
 map_figure.__name__ = "map"
-
-
-def _growth_over_fields(made: Swept) -> pd.DataFrame:
-    """Return the largest growth rate of each sample (zero if stable) and its values of fields."""
-    frame = pd.DataFrame(made.points.values, columns=list(made.points.names))
-    grown = frame.assign(growth=np.nan_to_num(made.spectra.largest))
-    return grown.melt("growth", var_name="field", value_name="value")
-
-
-SAMPLES = Plot(
-    "sweep",
-    "Largest growth rate of an unstable mode over each random field.",
-    _growth_over_fields,
-    x="value",
-    y="growth",
-    panel=("field",),
-    style="markers",
-)

@@ -49,17 +49,18 @@ def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple
     return rates > np.maximum(errors, limits), rates + errors > limits
 
 
-def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]:
-    """Return the statistics of growth over samples; all arrays have the shape (n,).
+def probability(grows: Flags, may_grow: Flags, rates: Floats) -> dict[str, Any]:
+    """Return the statistics of growth over samples; all arrays have the shape (samples, modes).
 
-    ``grows`` and ``may_grow`` mark growing samples, ``growth`` are their growth rates (1/s).
+    ``grows`` and ``may_grow`` mark the growing modes, ``rates`` are growth rates (1/s).
     """
     from scipy.stats import binomtest
 
-    n, sure = len(grows), int(grows.sum())
-    undecided = int((may_grow & ~grows).sum())
-    share, rates = sure / n, growth[grows]
-    spread = np.quantile(rates, _QUANTILES).tolist() if len(rates) else [None] * 3
+    certain = grows.any(axis=1)
+    n, sure = len(certain), int(certain.sum())
+    undecided = int((may_grow.any(axis=1) & ~certain).sum())
+    share, fastest = sure / n, np.where(grows, rates, 0.0).max(axis=1, initial=0.0)[certain]
+    spread = np.quantile(fastest, _QUANTILES).tolist() if sure else [None] * 3
     return {
         "grows": sure,
         "undecided": undecided,
@@ -68,36 +69,26 @@ def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]
         "low": float(binomtest(sure, n).proportion_ci(method="wilson").low),
         "high": float(binomtest(sure + undecided, n).proportion_ci(method="wilson").high),
         "growth": dict(zip(("low", "median", "high"), spread, strict=True)),
-        "fastest": float(rates.max()) if len(rates) else None,
+        "fastest": float(fastest.max()) if sure else None,
     }
 
 
 def probabilities(spectra: Spectra, threshold: float | None, *, damped: bool) -> dict[str, Any]:
     """Return the statistics of growth over all samples, and of each mode where most are matched."""
     grows, may_grow = growing(spectra, threshold, damped=damped)
-    rates = np.abs(np.where(grows, spectra.growth, 0.0))
+    rates, modes = np.abs(spectra.growth), []
     unknown = int((may_grow & (spectra.number < 0)).any(axis=1).sum())
-    told: dict[str, Any] = {
-        "any": probability(grows.any(axis=1), may_grow.any(axis=1), rates.max(axis=1, initial=0)),
-        "not_followed": unknown,
-        "modes": [],
-    }
-    if unknown >= _FOLLOWED * len(grows):
-        return told
-    for number in np.unique(spectra.number[may_grow & (spectra.number >= 0)]).tolist():
+    numbers = np.unique(spectra.number[may_grow & (spectra.number >= 0)])
+    for number in numbers.tolist() if unknown < _FOLLOWED * len(grows) else []:
         own = (spectra.number == number) & spectra.there
-        frequencies = spectra.frequency[own]
-        told["modes"].append(
-            {
-                "mode": number,
-                "frequency": float(np.median(frequencies)),
-                "seen": int(own.any(axis=1).sum()),
-                **probability(
-                    (own & grows).any(axis=1),
-                    (own & may_grow).any(axis=1),
-                    np.where(own, rates, 0.0).max(axis=1),
-                ),
-            }
-        )
-    told["modes"].sort(key=lambda each: each["frequency"])
-    return told
+        about = {
+            "mode": number,
+            "frequency": float(np.median(spectra.frequency[own])),
+            "seen": int(own.any(axis=1).sum()),
+        }
+        modes.append(about | probability(own & grows, own & may_grow, rates))
+    return {
+        "any": probability(grows, may_grow, rates),
+        "not_followed": unknown,
+        "modes": sorted(modes, key=lambda each: each["frequency"]),
+    }

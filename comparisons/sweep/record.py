@@ -11,7 +11,7 @@ from cea.arrays import Ints
 from cea.reduced.crossings import Threshold
 from cea.reduced.greedy import Enrichment
 from cea.reduced.thresholds import Found, Unresolved
-from comparisons.study.run_warnings import Run, merged_warnings
+from comparisons.study.run_warnings import Run, merged_warnings, named
 from comparisons.sweep.points import Points
 from comparisons.sweep.scene import SweptScene
 from comparisons.sweep.spectra import UNSTABLE, Spectra
@@ -35,7 +35,6 @@ def record_of(
         "vectors": [basis.model.size for basis in bases],
         "snapshots": list(solves.values()),
         "certified": int((bound <= tolerance).sum()),
-        "lost_to_rounding": int(((bound > tolerance) & (spectra.worst <= tolerance)).sum()),
         "worst": float(bound.max()),
     }
 
@@ -110,24 +109,17 @@ def warnings_of(
     elif left := data["values"] - data["certified"]:
         message = (
             f"{left} of {data['values']} values are not certified to {tolerance:g}: see their "
-            "error bounds, or allow more full solves"
+            "error bounds, allow more full solves, or solve in full what rounding limits"
         )
-        if data["lost_to_rounding"]:
-            message += (
-                f"; {data['lost_to_rounding']} owing to rounding of the reduced matrices, which no "
-                "larger basis reduces: use full solves"
-            )
         told.append(("not-certified", message))
     if data["failed"]:
         told.append(("no-answer", f"{len(data['failed'])} full solves failed"))
     if number := len(data["unresolved"]):
-        message = f"{number} intervals are unresolved: thresholds may be missing there"
-        told.append(("unresolved", message))
+        told.append(("unresolved", f"{number} intervals are unresolved: thresholds may be missing"))
     above = np.flatnonzero(np.isfinite(spectra.above_growth))
     if len(above):
         first = above[0]
-        pairs = zip(points.names, points.values[first], strict=True)
-        at = ", ".join(f"{name} = {value:.5g}" for name, value in pairs)
+        at = named(dict(zip(points.names, points.values[first], strict=True)))
         message = (
             f"a mode at {spectra.above_frequency[first]:.6g} Hz has the growth rate "
             f"{spectra.above_growth[first]:.5g} 1/s at {at}, above max_frequency = "
@@ -136,22 +128,13 @@ def warnings_of(
         told.append(("above-window", message))
     for each in data.get("fields", ()):
         if each["cut"]:
-            message = (
-                f"{100 * each['cut']:.3g} % of the distribution of {each['name']} are not allowed "
-                "as its values: the distribution is truncated"
-            )
-            told.append(("cut-off", message))
+            share = f"{100 * each['cut']:.3g} % of the distribution of {each['name']}"
+            told.append(("cut-off", f"{share} are not allowed as its values: it is truncated"))
     if undecided := data.get("any", {}).get("undecided"):
-        message = (
-            f"{undecided} samples are undecided: the confidence intervals cover both cases, that "
-            "all of these grow and that none does"
-        )
+        message = f"{undecided} samples are undecided: confidence intervals cover both cases"
         told.append(("undecided", message))
     if unknown := data.get("not_followed"):
-        message = (
-            f"in {unknown} samples a mode that grows, or may grow, could not be matched with one "
-            "of the middle sample; single modes have no rows if these are a tenth or more"
-        )
+        message = f"in {unknown} samples a mode that may grow has no match in the middle sample"
         told.append(("not-followed", message))
     own = [{"kind": kind, "message": message, "data": {}} for kind, message in told]
     return own + merged_warnings(solves, what)

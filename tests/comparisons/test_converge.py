@@ -16,9 +16,10 @@ from cea.errors import ConvergenceError, InputError
 from comparisons.converge import ladder
 from comparisons.converge.bars import pair
 from comparisons.converge.ladder import RATIO, Ladder
-from comparisons.converge.page import read_converge, write_converge
+from comparisons.converge.page import write_converge
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
+from comparisons.study.result import read_result
 from comparisons.study.session import Progress
 from scenes import run_modes
 from scenes.spec.plain import scene_text
@@ -84,7 +85,7 @@ def test_digits_are_held_and_bars_hold_the_exact_eigenvalues(result):
 def test_the_page_and_its_files_tell_what_was_found(result, tmp_path):
     text = write_converge(result, tmp_path).read_text()
     assert result["first"] in text
-    stored = read_converge(tmp_path)
+    stored = read_result(tmp_path, "converge")
     assert stored["modes"] == json.loads(json.dumps(result["modes"]))
     assert (tmp_path / "modes.csv").is_file()
     enough = [e for e in result["levels"] if e["bound"] is not None and e["bound"] <= 0.5e-2]
