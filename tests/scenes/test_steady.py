@@ -115,7 +115,6 @@ FORCE, LIMIT = 1e-3, 1 / np.tan(np.radians(60.0))
 
 def pressed_sprag(backend, mu):
     data = sprag(mu=mu, c_n=1.0, m_n=2.0, formulation=GPTS)
-    del data["contacts"]["contact"]["p"]
     for body in data["bodies"].values():
         body["backend"] = backend
     loads = [{"surface": "block.y_max", "pressure": FORCE}]
