@@ -210,7 +210,7 @@ def probability(made: Swept) -> pd.DataFrame:
 
 
 def line_figure(made: Swept) -> Figure:
-    """Draw growth rates and frequencies of all modes over each field, unstable ones in colour."""
+    """Growth rates and frequencies of all modes over each field; unstable ones in colour."""
     data, points, spectra = made.record, made.points, made.spectra
     count, end = len(points.names), data["max_frequency"]
     figure = Figure(figsize=(3.6 + 3.6 * count, 6.4), layout="constrained")
@@ -242,7 +242,7 @@ line_figure.__name__ = "sweep"
 
 
 def map_figure(made: Swept) -> Figure:
-    """Draw the largest growth rate over the first two axes.
+    """Largest growth rate over the first two axes.
 
     White: no growth above the threshold. Dots: growth begins; crosses: it ends. Hatched: a mode
     grows just above the window. Grey crosses: not certified.
