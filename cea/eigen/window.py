@@ -83,8 +83,13 @@ def _undamped(search: Search) -> Plan:
         depth = _FARTHER * top
     elif matrices.size > search.options.dense_limit:
         for part in _bounds(search):
-            with search.factorising():
-                slope = field_of_values(part, _DEPTH * top, cone=True)
+            try:
+                with search.factorising():
+                    slope = field_of_values(part, _DEPTH * top, cone=True)
+            except ConvergenceError:
+                if part is matrices:
+                    raise
+                continue
             if slope is None:
                 continue
             depth = bound = _DEPTH * top

@@ -193,9 +193,15 @@ class BodyTerms:
     def integrals(self, elasticity: Elasticity, density: Density) -> Iterator[Term]:
         """Yield K and M of another elastic law and density."""
         space, reduced = self.body.space, self.body.reduced
-        stiffness = self.placed(reduced(space.stiffness(elasticity)))
-        yield Term("stiffness", stiffness, self._stiffness)
-        yield Term("mass", self.placed(reduced(space.mass(density))), self._mass)
+        parts: list[tuple[Role, Mat, Coefficient]] = [
+            ("stiffness", reduced(space.stiffness(elasticity)), self._stiffness),
+            ("mass", reduced(space.mass(density)), self._mass),
+        ]
+        for role, own, coefficient in parts:
+            whole = self.placed(own)
+            if whole is not own:
+                destroy(own)
+            yield Term(role, whole, coefficient)
 
     def _of_springs(self) -> Iterator[Term]:
         """Yield the correction for springs, whose stiffness does not change with E."""

@@ -23,8 +23,10 @@ from cea.system.body_terms import BodyTerms
 
 _NEAR = 0.25
 """Fraction of all dofs that are near contacts."""
-_INSIDE = 1e-6
-"""Fraction of the mass of a dof from which on it counts as near."""
+_ASIDE = 1e-6
+"""Relative distance of the border from the dof that is farthest among the near ones."""
+_INSIDE = 1e-12
+"""Fraction of the stiffness or mass of a dof from which on it counts as near."""
 _LUMPED, _REMOVED = 1e-5, 0.02
 """Fraction of the diagonal of the mass that is added near contacts, so that no motion of cells that
 are near in part is without mass, and fraction of the mass removed for it."""
@@ -82,14 +84,15 @@ def near_contacts(
         return None
     points = KDTree(np.concatenate([contact.interface.points.x for contact in contacts]))
     distances = np.concatenate([points.query(x)[0] for x in positions if x is not None])
-    far = FarPoints(points, float(np.quantile(distances, _NEAR)))
+    # Rounding must not decide about points as far away as the dof at the quantile.
+    far = FarPoints(points, (1 + _ASIDE) * float(np.quantile(distances, _NEAR)))
     terms = [term for piece in pieces.values() for term in _far_terms(piece, far)]
     K, M = (
         scaled_total([(1.0, total), *(_part(each, values) for each in terms if each.role == role)])
         for role, total in (("stiffness", whole.stiffness), ("mass", whole.mass))
     )
     destroy(*(term.matrix for term in terms))
-    near = _restricted(replace(whole, stiffness=K, mass=M), whole.mass.getDiagonal())
+    near = _restricted(replace(whole, stiffness=K, mass=M), whole)
     destroy(K, M)
     return near
 
@@ -103,18 +106,20 @@ def _part(term: Term, values: Mapping[str, float]) -> tuple[float, Mat]:
     return -term.coefficient.at(values), term.matrix
 
 
-def _restricted(matrices: Matrices, mass: Any) -> Matrices | None:
-    """Return matrices of the dofs that have mass; None where contacts act on others.
+def _restricted(matrices: Matrices, whole: Matrices) -> Matrices | None:
+    """Return matrices of the dofs with stiffness or mass near contacts, or None.
 
-    ``mass`` is the diagonal of the whole mass, PETSc vector.
+    That is where friction or contact forces act on others; the stiffness of contacts counts.
     """
     M, forces, friction = matrices.mass, matrices.multipliers, matrices.unsymmetric
-    diagonal = M.getDiagonal()
-    inside = diagonal.array_r > _INSIDE * mass.array_r
+    inside = np.zeros(M.getLocalSize()[0], dtype=bool)
+    for part, total in ((matrices.stiffness, whole.stiffness), (M, whole.mass)):
+        inside |= _diagonal(part) > _INSIDE * _diagonal(total)
     if _acts_on(matrices, np.where(inside, 0.0, 1.0)):
         return None
     M.scale(1 - _REMOVED)
-    diagonal.array[:] = (1 - _REMOVED) * diagonal.array_r + _LUMPED * mass.array_r
+    diagonal = M.getDiagonal()
+    diagonal.array[:] += _LUMPED * _diagonal(whole.mass)
     M.setDiagonal(diagonal)
     M.assemble()
     dofs = _index_set(inside, M)
@@ -148,6 +153,14 @@ def _of_columns(forces: Multipliers, dofs: Any) -> Multipliers:
     destroy(rows)
     border = forces.border and forces.border.copy()
     return Multipliers(closure, reaction, forces.compliance.copy(), border, forces.tied)
+
+
+def _diagonal(matrix: Mat) -> Floats:
+    """Return the diagonal, the rows of this rank."""
+    vector = matrix.getDiagonal()
+    values: Floats = np.array(vector.array_r, dtype=float)
+    destroy(vector)
+    return values
 
 
 def _index_set(chosen: Any, matrix: Mat) -> Any:

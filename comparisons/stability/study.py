@@ -54,12 +54,20 @@ def runs_of(name: str) -> tuple[Run, ...]:
 
 
 def numbers_of(name: str, *, quick: bool) -> list[int]:
-    """Numbers of the runs of a case, from 0; a quick study takes the first and last of each row."""
-    rows: dict[str, list[int]] = {}
-    for i, run in enumerate(runs_of(name)):
+    """Numbers of the runs of a case, from 0; a quick study takes two of each row.
+
+    These are its first and last; in every other row the first of NURBS and the last before these.
+    """
+    runs, rows = runs_of(name), dict[str, list[int]]()
+    for i, run in enumerate(runs):
         rows.setdefault(run.row, []).append(i)
-    taken = [(own[0], own[-1]) if quick else own for own in rows.values()]
-    return sorted({i for own in taken for i in own})
+    if not quick:
+        return sorted(i for own in rows.values() for i in own)
+    taken = set[int]()
+    for r, own in enumerate(rows.values()):
+        nurbs = next((k for k, i in enumerate(own) if runs[i].way.backend == "iga"), 0)
+        taken |= {own[nurbs], own[nurbs - 1]} if r % 2 else {own[0], own[-1]}
+    return sorted(taken)
 
 
 @dataclass(frozen=True)

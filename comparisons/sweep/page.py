@@ -131,7 +131,10 @@ def sections_of(made: Swept) -> list[Section]:
         ),
         Section("Warnings", tables=[Table("warnings", "", lambda made: warned(made.record))]),
         Section("Values", tables=[Table("sweep", every, values, own, shown=few)]),
-        Section("Full solves", tables=[Table("full_solves", basis, full_solves, own)]),
+        Section(
+            "Full solves",
+            tables=[Table("full_solves", basis, full_solves, own)] * bool(made.record["snapshots"]),
+        ),
     ]
 
 

@@ -109,8 +109,9 @@ def warnings_of(
     elif left := data["values"] - data["certified"]:
         message = (
             f"{left} of {data['values']} values are not certified to {tolerance:g}: see their "
-            "error bounds, allow more full solves, or solve in full what rounding limits"
+            "error bounds, or allow more full solves"
         )
+        message += "; --full solves in full what rounding limits" if "axes" in data else ""
         told.append(("not-certified", message))
     if data["failed"]:
         told.append(("no-answer", f"{len(data['failed'])} full solves failed"))
@@ -134,7 +135,10 @@ def warnings_of(
         message = f"{undecided} samples are undecided: confidence intervals cover both cases"
         told.append(("undecided", message))
     if unknown := data.get("not_followed"):
-        message = f"in {unknown} samples a mode that may grow has no match in the middle sample"
+        message = (
+            f"in {unknown} samples a mode that may grow has no match in the middle sample; single "
+            "modes have no rows if these are a tenth or more"
+        )
         told.append(("not-followed", message))
     own = [{"kind": kind, "message": message, "data": {}} for kind, message in told]
     return own + merged_warnings(solves, what)

@@ -1,12 +1,13 @@
 """Bounds of the field of values by what lies near contacts."""
 
+from copy import deepcopy
 from unittest.mock import patch
 
 import numpy as np
 import pytest
 from blocks import assemble, two_blocks
 from mpi import on_ranks
-from petsc_matrices import to_numpy
+from petsc_matrices import dense_pencil, to_numpy
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.field_of_values import field_of_values
@@ -74,6 +75,43 @@ def test_stiffness_and_mass_far_from_contacts_are_positive_semidefinite(backend)
         assert np.linalg.eigvalsh(rest).min() > -1e-12 * scale
         assert np.linalg.eigvalsh(total - rest).min() > -1e-12 * scale
         assert np.linalg.eigvalsh(total - rest).max() > 0.1 * scale
+
+
+def test_the_operator_of_the_whole_is_not_below_that_of_the_part(backend):
+    """Also where one contact without friction reaches dofs farther away than the other."""
+    data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, P=30.0, form="penalty")
+    cover = deepcopy(data["bodies"]["lower"]) | {"supports": []}
+    cover["geometry"] |= {"origin": [0.0, 0.0, 0.7], "size": [1.0, 1.1, 1.6]}
+    for mesh in cover["mesh"].values():
+        mesh["elements"] = [2, 2, 2]
+    cover["mesh"]["fe"]["degree"] = 1
+    data["bodies"]["cover"] = cover
+    data["bodies"]["upper"]["supports"] = [{"surface": "x_min"}]
+    data["contacts"]["above"] = data["contacts"]["interface"] | {
+        "a": "upper.z_max",
+        "b": "cover.z_min",
+        "mu": 0.0,
+        "P": 1e3,
+    }
+    kept, index_set = [], near_contacts._index_set
+
+    def chosen(inside, matrix):
+        kept.append(np.flatnonzero(inside))
+        return index_set(inside, matrix)
+
+    with (
+        patch.object(coupled, "_LARGE", 0),
+        patch.object(near_contacts, "_NEAR", 0.25),
+        patch.object(near_contacts, "_index_set", chosen),
+    ):
+        whole = assemble(data).pencil().at()
+        near = whole.near(whole)
+    part, total = (
+        0.5 * (K + K.T) + END**2 * M for M, _, K in (dense_pencil(near), dense_pencil(whole))
+    )
+    total[np.ix_(kept[0], kept[0])] -= part
+    assert len(kept[0]) < len(total)
+    assert np.linalg.eigvalsh(total).min() > -1e-9 * np.abs(total).max()
 
 
 @pytest.mark.parametrize("change", ["springs", "far contact"])
