@@ -19,6 +19,7 @@ from comparisons.stability import (
 )
 from comparisons.stability.case import Run, Runs, Verdict
 from comparisons.stability.verdicts import judged
+from comparisons.stability.ways import QUICK
 from comparisons.study.numbers import number
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
@@ -54,20 +55,20 @@ def runs_of(name: str) -> tuple[Run, ...]:
 
 
 def numbers_of(name: str, *, quick: bool) -> list[int]:
-    """Numbers of the runs of a case, from 0; a quick study takes two of each row.
+    """Numbers of the runs of a case, from 0; a quick study takes a few of each row.
 
-    These are its first and last; in every other row the first of NURBS and the last before these.
+    These are the ways of :data:`QUICK`, on alternating backends, or else the first run.
     """
-    runs, rows = runs_of(name), dict[str, list[int]]()
-    for i, run in enumerate(runs):
-        rows.setdefault(run.row, []).append(i)
+    runs = runs_of(name)
     if not quick:
-        return sorted(i for own in rows.values() for i in own)
-    taken = set[int]()
-    for r, own in enumerate(rows.values()):
-        nurbs = next((k for k, i in enumerate(own) if runs[i].way.backend == "iga"), 0)
-        taken |= {own[nurbs], own[nurbs - 1]} if r % 2 else {own[0], own[-1]}
-    return sorted(taken)
+        return list(range(len(runs)))
+    numbers = []
+    for r, row in enumerate(dict.fromkeys(run.row for run in runs)):
+        own = [i for i, run in enumerate(runs) if run.row == row]
+        turn = {name: ("fe", "iga")[(r + k) % 2] for k, name in enumerate(QUICK)}
+        picked = [i for i in own if turn.get(runs[i].way.name) == runs[i].way.backend]
+        numbers += picked or own[:1]
+    return numbers
 
 
 @dataclass(frozen=True)

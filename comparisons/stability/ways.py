@@ -74,8 +74,10 @@ OPEN = (Way("fe", "mortar, form left open", _OPEN), Way("iga", "mortar, form lef
 """The form is left to the program."""
 ALONE = (Way("fe", "no contact"), Way("iga", "no contact"))
 """Both backends, for scenes without contact or with fully specified contacts."""
+QUICK = ("GPTS, penalty", "mortar, saddle")
+"""Names of the ways of a quick run: one of the simplest, and one of the most accurate."""
 FEW = chosen(WAYS, "GPTS, penalty", "GPTS, saddle", "mortar")
-PAIR = chosen(WAYS, "GPTS, penalty", "mortar, saddle")
+PAIR = chosen(WAYS, *QUICK)
 UNIFORM = (
     *chosen(PENALTY, "GPTS,", "segments", "mortar"),
     *chosen(SADDLE, "GPTS,", "segments"),
