@@ -52,7 +52,7 @@ class FarPoints:
 class FarElasticity(Elasticity):
     """An elastic law without stiffness near contacts."""
 
-    far: FarPoints | None = None
+    far: FarPoints = field(kw_only=True)
 
     @property
     def varies(self) -> bool:
@@ -61,7 +61,6 @@ class FarElasticity(Elasticity):
 
     def stress(self, gradient: Floats, x: Floats) -> Floats:
         """Return the stress, zero near contacts (:meth:`cea.material.Elasticity.stress`)."""
-        assert self.far is not None
         return Elasticity(self.matrix, self.axes).stress(gradient, x) * self.far(x)
 
 
@@ -99,7 +98,8 @@ def near_contacts(
 
 def _far_terms(piece: BodyTerms, far: FarPoints) -> Iterator[Term]:
     law, density = piece.body.material.elasticity, piece.body.density
-    return piece.integrals(FarElasticity(law.matrix, law.axes, far), lambda x: density * far(x))
+    far_law = FarElasticity(law.matrix, law.axes, far=far)
+    return piece.integrals(far_law, lambda x: density * far(x))
 
 
 def _part(term: Term, values: Mapping[str, float]) -> tuple[float, Mat]:
@@ -107,9 +107,9 @@ def _part(term: Term, values: Mapping[str, float]) -> tuple[float, Mat]:
 
 
 def _restricted(matrices: Matrices, whole: Matrices) -> Matrices | None:
-    """Return matrices of the dofs with stiffness or mass near contacts, or None.
+    """Return matrices of the dofs with stiffness or mass near contacts, contact stiffness included.
 
-    That is where friction or contact forces act on others; the stiffness of contacts counts.
+    None where friction or contact forces act on other dofs.
     """
     M, forces, friction = matrices.mass, matrices.multipliers, matrices.unsymmetric
     inside = np.zeros(M.getLocalSize()[0], dtype=bool)

@@ -213,38 +213,6 @@ def test_growth_just_above_the_window_is_hinted_at():
     assert "+0.0274 1/s at 0.46125" in hint
 
 
-@pytest.mark.parametrize(
-    ("backend", "of_contact", "mu"),
-    covering(["iga", "fe"], ["penalty", "saddle", "mortar", "both"], [1e-6, 0.3, 0.9, 3.0]),
-)
-def test_the_cone_holds_the_field_of_values(backend, mu, of_contact):
-    """Its slope is that of dense matrices, and a safety of one half."""
-    gpts = {"method": "gpts", "points": 3}
-
-    def pencil_in(form, method=gpts):
-        data = coarse(two_blocks(backend, method, held=True, mu=mu, P=2.0))
-        if form:
-            data["contacts"]["interface"]["form"] = form
-        return assemble(data).pencil().at()
-
-    if of_contact == "mortar":
-        matrices = pencil_in(None, {"method": "mortar"})
-    elif of_contact == "both":
-        matrices = replace(pencil_in("penalty"), multipliers=pencil_in("saddle").multipliers)
-    else:
-        matrices = pencil_in(of_contact)
-    assert (matrices.multipliers is None) == (of_contact == "penalty")
-    assert (matrices.unsymmetric is None) == (of_contact in ("saddle", "mortar"))
-    M, _, K = dense_pencil(matrices)
-    lowest = scipy.linalg.eigvalsh(0.5 * (K + K.T), M)[0]
-    depth = max(0.0, -1.5 * lowest) + 0.1
-    found = field_of_values(matrices, depth, cone=True)
-    slope = scipy.linalg.eigvalsh(0.5j * (K.T - K), 0.5 * (K + K.T) + depth * M)[-1]
-    assert found == pytest.approx(1.5 * slope, rel=0.02)
-    kappa = scipy.linalg.eigvals(K, M)
-    assert (np.abs(kappa.imag) <= found * (kappa.real + depth) * (1 + 1e-9)).all()
-
-
 def test_signs_of_determinants_know_damping_of_low_rank():
     """Negative stiffness: some shifts have an odd number of real eigenvalues beyond them."""
     rng = np.random.default_rng(4)
