@@ -36,7 +36,11 @@ def levels(data: Data) -> pd.DataFrame:
 
 def _elements(counts: Mapping[str, Any]) -> str:
     """Describe the elements of all bodies."""
-    return "; ".join(f"{name} {plain(count)}" for name, count in counts.items())
+    parts = []
+    for name, count in counts.items():
+        along = " × ".join(map(str, count)) if isinstance(count, list) else plain(count)
+        parts.append(f"{name} {along}")
+    return "; ".join(parts)
 
 
 COLUMNS = {

@@ -133,7 +133,9 @@ def sections_of(made: Swept) -> list[Section]:
         Section("Values", tables=[Table("sweep", every, values, own, shown=few)]),
         Section(
             "Full solves",
-            tables=[Table("full_solves", basis, full_solves, own)] * bool(made.record["snapshots"]),
+            tables=[Table("full_solves", basis, full_solves, own)]
+            if made.record["snapshots"]
+            else [],
         ),
     ]
 
