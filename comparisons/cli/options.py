@@ -103,9 +103,10 @@ def command_with(
 
 
 def refuse(given: Mapping[str, Any], why: str) -> None:
-    """Refuse the first option that was given; those not given are empty or None."""
+    """Refuse the first option that was given; those not given are empty, False or None."""
     for name, value in given.items():
-        require(not value, name, value, f"left out {why}")
+        missing = value is None or value is False or value == []  # zero was given
+        require(missing, name, value, f"left out {why}")
 
 
 def refuse_with_redraw(redraw: bool, options: Mapping[str, Any]) -> None:

@@ -86,6 +86,17 @@ def test_a_missing_extra_is_told_in_one_line(line, module, extra, monkeypatch, c
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("line", "field"),
+    [("interface.mu=0:1:3 --seed 0", "seed"), ("interface.mu~uniform:0:1 --confirm 0", "confirm")],
+)
+def test_an_option_of_another_kind_of_sweep_is_refused_even_if_zero(line, field, cea, tmp_path):
+    code, _, told = cea("sweep", "blocks", *line.split())
+    assert code == 1
+    assert told.startswith(f"error: {field} = 0: left out ")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_results_of_another_scene_or_command_stay(cea, tmp_path):
     data = two_blocks("iga", {"method": "gpts", "points": 3}, held=True) | {"name": "same"}
     one, other, out = "one.toml", "other.toml", tmp_path / "results" / "same"
