@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from external_data import external
-from matrix_files import dense, inside, pieces, read_here, scene, write
+from matrix_files import dense, inside, pieces, scene, write
 from petsc_matrices import quadratic_eigenvalues
 from scipy.io import mmwrite
 from scipy.sparse import csr_array
@@ -19,17 +19,12 @@ from scenes import SceneError
 from scenes.spec.matrices import load_matrices, read_matrix_scene
 from scenes.spec.plain import scene_text
 
+pytestmark = pytest.mark.usefixtures("files_read_here")
 STORED = Path(sweep_page.__file__).with_name("results")
 PUBLISHED = """
     119.2 74.83 5.474 0.5738 9.587e-5 -0.04333 -1.122 -1.433 -1.834 -1.913 -2.367 -3.983 -6.571
 """
 """Growth rates of the brake at 2 turns a second."""
-
-
-@pytest.fixture(autouse=True)
-def _read_here(monkeypatch):
-    """Files are read in this process, but by processes that a test starts."""
-    monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
 
 
 def write_here(**files):

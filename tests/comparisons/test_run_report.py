@@ -114,6 +114,7 @@ def test_a_static_analysis_has_a_report(tmp_path):
     assert not page.modes()
 
 
+@pytest.mark.usefixtures("files_read_here")
 def test_matrices_have_a_report_without_shapes(tmp_path, cea):
     mmwrite("M.mtx", diags_array([1.0, 1.0, 1.0]).tocoo())
     mmwrite("K.mtx", diags_array([1.0, 4.0, 9.0]).tocoo())

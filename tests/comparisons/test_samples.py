@@ -64,6 +64,7 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(backend, tmp
     assert data["any"]["growth"]["median"] == pytest.approx(np.median(growth))
 
 
+@pytest.mark.parametrize("backend", ["iga", pytest.param("fe", marks=pytest.mark.slow)])
 def test_samples_are_those_of_full_solves(backend, tmp_path):
     """Every parameter of the undamped scene is spread."""
     spread = (

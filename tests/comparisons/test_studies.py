@@ -8,6 +8,7 @@ from types import ModuleType
 import pytest
 
 from cea.errors import InputError
+from comparisons.bench import scaling
 from comparisons.cli.study import BENCHMARKS, STUDIES, study_in
 from comparisons.damping import MODULUS, Options, exact
 from comparisons.damping import STUDY as DAMPING
@@ -30,7 +31,8 @@ PLACES = {name: place for name, (place, _) in (STUDIES | BENCHMARKS).items()}
         if name not in ("matrices", "calculix")  # these need files, or another program
     ],
 )
-def test_quick_options_run_and_show(name, tmp_path):
+def test_quick_options_run_and_show(name, tmp_path, monkeypatch):
+    monkeypatch.setattr(scaling, "COARSEST", {"pad": (1, 2, 1), "disc": (2, 10, 1)})
     study = replace(study_in(PLACES[name]), process=None)
     assert study.name.split()[-1] == name
     result = run(study, study.options(**study.quick), tmp_path)

@@ -64,9 +64,9 @@ def test_mixed_bodies():
 
 
 def test_friction_sweep():
-    found = friction_sweep.growth_rates(np.array([0.0, 0.2, 1.0]))
+    found = friction_sweep.growth_rates(np.array([0.0, 1.0]))
     assert found[0] == 0.0
-    assert found[1:] == pytest.approx([81.67269168, 480.89011511], rel=SAME)
+    assert found[1] == pytest.approx(480.89011511, rel=SAME)
 
 
 @pytest.mark.grid(quick=1)
@@ -77,7 +77,7 @@ def test_exact_errors(backend, error):
     assert exact_errors.worst_error(backend) == pytest.approx(error, abs=1e-10)
 
 
-@pytest.mark.parametrize("backend", ["fe", "iga"])
+@pytest.mark.grid(quick=1)
 def test_flutter_threshold(backend):
     assert flutter_threshold.threshold(backend) == pytest.approx(
         flutter_threshold.exact_threshold(), abs=2e-5
@@ -90,6 +90,7 @@ def test_matrices_in_scipy():
     assert ours == pytest.approx(1.374601243291j, rel=SAME)
 
 
+@pytest.mark.slow
 def test_which_formulation():
     """GPTS with enough points is as mortar and segments are; lumping and collocation are not."""
     found = which_formulation.growth_rates(3e11)

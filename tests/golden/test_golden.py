@@ -5,7 +5,8 @@ from math import isnan
 import numpy as np
 import pandas as pd
 import pytest
-from golden import BIN, differences, run_frozen, stored
+from golden import differences, run_frozen, stored
+from mpi import command
 
 from comparisons import agreement, locking, patch_tests
 from comparisons.accuracy.cases import measure
@@ -26,7 +27,13 @@ ROUNDING = 1e-9
 )
 def test_a_scene_has_its_frozen_numbers(name, tmp_path):
     case = stored("scenes")[name]
-    assert list(differences(case, run_frozen(BIN / "cea", case, tmp_path))) == []
+    assert list(differences(case, run_frozen(here, case, tmp_path))) == []
+
+
+def here(*arguments):
+    """Run a command line in this process."""
+    done = command(*map(str, arguments))
+    assert done["code"] == 0, done["out"] + done["err"]
 
 
 PAPER = read("paper", PAPER_STUDY.shipped)
