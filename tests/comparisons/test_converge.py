@@ -200,26 +200,6 @@ def test_a_budget_that_is_gone_leaves_no_mesh():
     assert data["first"].startswith("not reached: no mesh was solved")
 
 
-@pytest.mark.parametrize(
-    ("options", "named"),
-    [
-        (["--digits", "0"], "digits = 0"),
-        (["--budget", "-1"], "budget = -1.0"),
-        (["--redraw", "--unstable"], "unstable = True"),
-    ],
-)
-def test_wrong_options_are_refused_before_work(options, named, tmp_path, cea):
-    code, _, told = cea("converge", "blocks", *options, "--out", "x")
-    assert code == 1
-    assert told.startswith(f"error: {named}")
-    assert not (tmp_path / "x").exists()
-
-
-def test_a_static_analysis_is_refused():
-    with pytest.raises(InputError, match=r"analysis\.kind"):
-        converged("patch_test")
-
-
 @pytest.mark.slow
 def test_bars_are_honest_and_not_wide():
     """98 of 100 eigenvalues in their bars, all within two; five times the error in the median.

@@ -26,6 +26,7 @@ def test_what_does_not_load_or_fails_is_a_fault(monkeypatch):
     with pytest.raises(RuntimeError, match="wrong eigenvalues"):
         doctor.solve("iga")
     monkeypatch.setenv("CC", "false")
+    monkeypatch.setattr(doctor, "packages", lambda: "as needed")
     monkeypatch.setattr(doctor, "LIBRARIES", {"libnone.so.1": "libnone1"})
     monkeypatch.setattr(doctor, "_SCENE", "no_such_scene")
     found = {finding.name: finding for finding in doctor.examine(launched=True)}

@@ -63,23 +63,6 @@ def test_solve_is_told_what_a_triangle_is(cea, tmp_path, option):
     assert sorted(value["im"] ** 2 for value in stored) == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("line", "field", "told"),
-    [
-        ("run tu_berlin", "data", "do not come with it"),
-        ("run tu_berlin --data nowhere", "files.M", "an existing file"),
-        ("run tu_berlin --data x --set parameters.Omega=0", "damping.DR", "finite value"),
-        ("run tu_berlin --data x --backend fe", "backend", "no bodies"),
-    ],
-)
-def test_faults_are_told_in_a_line(line, field, told, cea, tmp_path):
-    code, _, fault = cea(*line.split(), "--out", "out")
-    assert code == 1
-    assert fault.startswith(f"error: {field} = ")
-    assert told in fault.splitlines()[0]
-    assert not (tmp_path / "out" / "result.json").exists()
-
-
 def test_a_scene_of_bodies_is_none_of_matrices():
     with pytest.raises(SceneError, match="a scene of matrices"):
         load_matrices("blocks")

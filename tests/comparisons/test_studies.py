@@ -8,7 +8,6 @@ from types import ModuleType
 import pytest
 
 from cea.errors import InputError
-from comparisons.bench import scaling
 from comparisons.cli.study import BENCHMARKS, STUDIES, study_in
 from comparisons.damping import MODULUS, Options, exact
 from comparisons.damping import STUDY as DAMPING
@@ -19,20 +18,18 @@ from comparisons.study.sections import rows
 
 # Parts of the others are run and shown by test_formulation_studies.py, test_accuracy.py,
 # test_stability.py and test_benchmarks.py.
-QUICK = ("brake", "scaling")
 PLACES = {name: place for name, (place, _) in (STUDIES | BENCHMARKS).items()}
 
 
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
+        pytest.param(name, marks=() if name == "brake" else pytest.mark.slow)
         for name in PLACES
         if name not in ("matrices", "calculix")  # these need files, or another program
     ],
 )
-def test_quick_options_run_and_show(name, tmp_path, monkeypatch):
-    monkeypatch.setattr(scaling, "COARSEST", {"pad": (1, 2, 1), "disc": (2, 10, 1)})
+def test_quick_options_run_and_show(name, tmp_path):
     study = replace(study_in(PLACES[name]), process=None)
     assert study.name.split()[-1] == name
     result = run(study, study.options(**study.quick), tmp_path)

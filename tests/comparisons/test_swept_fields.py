@@ -152,20 +152,6 @@ def test_thresholds_in_full_lie_between_values(monkeypatch):
     assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]
 
 
-@pytest.mark.parametrize(
-    ("name", "axis"),
-    [
-        ("pressed", f"{PRESSURE}=1e-3:1e-2:2"),
-        ("pressed", f"{MU}=0:0.3:2"),
-        ("rotating_pressed", "bodies.inner.rotation.rate=0:0.2:2"),
-        ("rotating_pressed", "bodies.inner.material.rho=1:2:2"),
-    ],
-)
-def test_what_moves_the_state_of_sliding_has_no_map(file_of, name, axis):
-    with pytest.raises(NoMapError):
-        mapped(file_of(name), [read_axis(axis)])
-
-
 def test_a_field_without_a_map_is_solved_in_full(cea):
     axis = "bodies.upper.material.nu=0.2:0.3:2"
     coarse = [word for each in MESHES for word in ("--set", each)]
