@@ -18,19 +18,12 @@ from exact_cea.reference import exact_eigenvalues
 from scenes import run_modes
 
 
-@pytest.mark.grid(quick=2)
 @pytest.mark.parametrize(
     ("name", "stiffness", "top", "parameters"),
-    [
-        ("drum", 1.0, 2.0, {"m": 2, "mu": 0.3}),
-        ("drum", 1000.0, 2.5, {"m": -3, "mu": 0.3}),
-        ("drum_3d", 0.1, 2.0, {"m": 1, "mu": 0.7, "kz": "pi"}),
-        ("blocks", 1.0, 2.2, {"mu": 1.0}),
-        ("blocks_3d", 10.0, 2.8, {"mu": 1.0, "kz": "pi/2"}),
-        ("ring", 1.0, 8e4, {"m": 1, "mu": 0.3}),
-    ],
+    [("drum", 1.0, 2.0, {"m": 2, "mu": 0.3}), ("blocks", 1.0, 2.2, {"mu": 1.0})],
 )
 def test_stored_lists_hold_each_harmonic(name, stiffness, top, parameters):
+    """Of one harmonic; test_exact.py compares whole lists."""
     p = stiffness * PROBLEMS[name].unit
     family = exact_eigenvalues(name.removesuffix("_3d"), max_frequency=top, p=p, **parameters)
     values = exact(name, stiffness)

@@ -1,6 +1,5 @@
 """Studies of formulations: locking, patch tests between meshes of any kind, pairings."""
 
-from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -21,38 +20,37 @@ from scenes.building.build import build_bodies
 YARDSTICKS = ("segments", "mortar")
 
 
-def made(study, **options):
-    """Result of a study with these options, of which the page can be drawn."""
+def made(study, only=None, **options):
+    """Result of cases of a study with these options, of which the page can be drawn."""
     out = Path(mkdtemp()) / "out"
-    result = run(study, study.options(**options), out)
+    result = run(study, study.options(**options), out, only=only)
     write_study(study, result, out)
     return result
 
 
 @cache
-def few_locking():
-    options = {"p": (1.0, 1e4, 1e6), "formulations": ("Greville", *YARDSTICKS)}
-    return made(locking.STUDY, **options)
+def few_locking(backend):
+    options = {"p": (1.0, 1e6), "formulations": ("Greville", *YARDSTICKS)}
+    return made(locking.STUDY, {"backend": backend}, **options)
 
 
-@cache
-def patch_test(interface):
+def patch_test(interface, only=None):
     """An interface with a few formulations."""
-    few = ("Greville", "grid", "GPTS 5", "GPTS 5, lumped", *YARDSTICKS)
+    few = ("Greville", "GPTS 5", *YARDSTICKS)
     options = {"P": (1e6, 1e14), "gauss": (5,), "samples": 9, "formulations": few}
     options |= {"meshes": ("hexahedra", "quadrilaterals", "NURBS"), "interfaces": (interface,)}
-    return made(patch_tests.STUDY, **options)
+    return made(patch_tests.STUDY, only, **options)
 
 
 def errors(backend, formulation):
     """Errors of locking."""
-    rows = few_locking().frame().query("backend == @backend")
+    rows = few_locking(backend).frame()
     return rows.loc[rows["formulation"] == formulation, "error"].to_numpy(dtype=float)
 
 
 @pytest.mark.grid(quick=1)
 @pytest.mark.parametrize(
-    ("backend", "expected"), [("iga", [9.4e-5, 2.0e-3, 3.85e-2]), ("fe", [8.4e-5, 3.0e-4, 8.1e-3])]
+    ("backend", "expected"), [("iga", [9.4e-5, 3.85e-2]), ("fe", [8.4e-5, 8.1e-3])]
 )
 def test_segments_lock_and_mortar_does_not(backend, expected):
     """Of NURBS the eigenvalue nearest to the sixth at p = 1e6 is the fifth, 3e-2 away."""
@@ -62,14 +60,15 @@ def test_segments_lock_and_mortar_does_not(backend, expected):
 
 
 def test_what_locks_is_told_and_as_many_points_as_traces_do_not():
-    assert locking.locked(few_locking()) == {"fe": ["segments"], "iga": ["segments"]}
-    np.testing.assert_allclose(errors("iga", "Greville"), [7.9e-5, 9.4e-5, 9.4e-5], rtol=0.03)
-    greville = few_locking().frame().query("formulation == 'Greville'")
+    assert locking.locked(few_locking("iga")) == {"iga": ["segments"]}
+    np.testing.assert_allclose(errors("iga", "Greville"), [7.9e-5, 9.4e-5], rtol=0.03)
+    greville = few_locking("iga").frame().query("formulation == 'Greville'")
     assert set(greville["points"]) == set(greville["traces"]) == {14}
 
 
 def test_yardsticks_pass_and_points_do_not():
-    frame = patch_tests.runs(patch_test("flat"))
+    frame = patch_tests.runs(patch_test("flat", {"a": "NURBS"}))
+    assert frame["meshes"].nunique() == 2
     for (_, formulation), own in frame.groupby(["meshes", "formulation"]):
         (error,) = own.loc[own["P"] == 1e6, "error"]
         if formulation in YARDSTICKS:
@@ -125,9 +124,10 @@ WHERE = {
     "offset": (FLAT, APART),
     "matching": (FLAT, [f"bodies.upper.mesh.{kind}.elements=[5, 5, 1]" for kind in ("fe", "iga")]),
 }
+PAIRS = sorted(product(KINDS, KINDS), key=lambda pair: pair[0] == pair[1])
 CASES = [
-    *product(product(KINDS, KINDS), ("flat", "rotated", "offset")),
-    *(((kind, kind), "matching") for kind in ("hexahedra", "NURBS")),
+    *((*pair, where) for pair in PAIRS for where in ("flat", "rotated", "offset")),
+    *((kind, kind, "matching") for kind in ("hexahedra", "NURBS")),
 ]
 
 
@@ -143,9 +143,9 @@ def worst_error(pair, where, P, formulations, form="penalty"):
 
 
 @pytest.mark.grid
-@pytest.mark.parametrize(("pair", "where"), CASES, ids=str)
-def test_exact_integration_passes(pair, where):
-    assert worst_error(pair, where, 1e6, (Segments(), Mortar())) < 1e-10
+@pytest.mark.parametrize(("a", "b", "where"), CASES)
+def test_exact_integration_passes(a, b, where):
+    assert worst_error((a, b), where, 1e6, (Segments(), Mortar())) < 1e-10
 
 
 @pytest.mark.grid
@@ -158,34 +158,25 @@ def test_in_the_saddle_form_at_any_stiffness(pair, P):
 # Both backends beside each other: pairs of unstable modes.
 
 
-@pytest.fixture(scope="module")
-def beside(tmp_path_factory):
-    """Two formulations of the study on its quick options."""
-    some = [{"formulation": each} for each in ("GPTS", "mortar")]
-    study = replace(agreement.STUDY, cases=lambda options: some)
-    return run(study, study.options(**study.quick), tmp_path_factory.mktemp("agreement") / "out")
-
-
-def test_unstable_modes_of_both_backends_are_paired_and_their_shapes_kept(beside):
-    frame = beside.frame("agreement")
-    (gpts,) = frame[frame["formulation"] == "GPTS"].to_dict("records")
-    assert gpts["modal_assurance"] > 0.99
-    assert abs(gpts["frequency_change"]) < 0.02
+@pytest.mark.parametrize(
+    ("formulation", "count"), [("GPTS", 2), pytest.param("mortar", 4, marks=pytest.mark.slow)]
+)
+def test_pairings_find_the_same_unstable_mode_and_its_shapes_are_kept(formulation, count):
+    study = agreement.STUDY
+    overrides = (*study.quick["overrides"], "analysis.max_frequency=7000.0")
+    beside = made(study, {"formulation": formulation}, overrides=overrides)
     unstable = agreement.unstable(beside)
-    assert unstable["run"].nunique() == 4
+    assert unstable["run"].nunique() == count
     assert (unstable["growth"] > 0).all()
     modes = [case["shapes"]["modes"].items() for case in beside.cases]
     assert set(unstable["shape"]) <= {
         f"{k}/{m}" for each in modes for k, found in each for m in found
     }
-
-
-def test_pairings_find_the_same_unstable_mode(beside):
     runs = beside.frame()
     assert runs["complete"].all()
-    assert (runs["found"] > 20).all()
-    pairs = beside.frame("agreement").query("formulation == 'mortar'")
-    assert len(pairs) == 3
+    assert (runs["found"] > 10).all()
+    pairs = beside.frame("agreement")
+    assert len(pairs) == count - 1
     assert (pairs["modal_assurance"] > 0.99).all()
     # The disc decides: these meshes of it are coarse, and of both backends far apart.
     bounds = [2e-2 if "on NURBS," in c else 1e-3 for c in pairs["compared"]]

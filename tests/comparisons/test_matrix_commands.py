@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from external_data import external
-from matrix_files import dense, inside, pieces, read_here, scene, write
+from matrix_files import dense, inside, pieces, scene, write
 from petsc_matrices import quadratic_eigenvalues
 from scipy.io import mmwrite
 from scipy.sparse import csr_array
@@ -19,17 +19,12 @@ from scenes import SceneError
 from scenes.spec.matrices import load_matrices, read_matrix_scene
 from scenes.spec.plain import scene_text
 
+pytestmark = pytest.mark.usefixtures("files_read_here")
 STORED = Path(sweep_page.__file__).with_name("results")
 PUBLISHED = """
     119.2 74.83 5.474 0.5738 9.587e-5 -0.04333 -1.122 -1.433 -1.834 -1.913 -2.367 -3.983 -6.571
 """
 """Growth rates of the brake at 2 turns a second."""
-
-
-@pytest.fixture(autouse=True)
-def _read_here(monkeypatch):
-    """Files are read in this process, but by processes that a test starts."""
-    monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
 
 
 def write_here(**files):
@@ -66,23 +61,6 @@ def test_solve_is_told_what_a_triangle_is(cea, tmp_path, option):
     stored = json.loads((tmp_path / "out" / "result.json").read_text())["eigenvalues"]
     expected = [(3 - 5**0.5) / 2, (3 + 5**0.5) / 2] if option == "--symmetric" else [1, 2]
     assert sorted(value["im"] ** 2 for value in stored) == pytest.approx(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("line", "field", "told"),
-    [
-        ("run tu_berlin", "data", "do not come with it"),
-        ("run tu_berlin --data nowhere", "files.M", "an existing file"),
-        ("run tu_berlin --data x --set parameters.Omega=0", "damping.DR", "finite value"),
-        ("run tu_berlin --data x --backend fe", "backend", "no bodies"),
-    ],
-)
-def test_faults_are_told_in_a_line(line, field, told, cea, tmp_path):
-    code, _, fault = cea(*line.split(), "--out", "out")
-    assert code == 1
-    assert fault.startswith(f"error: {field} = ")
-    assert told in fault.splitlines()[0]
-    assert not (tmp_path / "out" / "result.json").exists()
 
 
 def test_a_scene_of_bodies_is_none_of_matrices():

@@ -61,6 +61,7 @@ def test_what_a_field_may_not_have_is_cut_off_and_told():
         "positive, at least 1e-30": "mu~lognormal:-1:1",
         "greater than 2": "mu~normal:0:1:2:1",
         "between them": "mu~normal:0:1:50:51",
+        "1e[+-]30": "mu=0:1e308:3 P=1e-31:1.0:log:3 mu=0:nan:3",
     }.items(),
 )
 def test_texts_that_are_no_field_are_refused(told, texts):

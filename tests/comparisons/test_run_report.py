@@ -14,7 +14,7 @@ from scipy.sparse import diags_array
 
 from comparisons.run_report import write_run_report
 from comparisons.study import shapes as of_pages
-from comparisons.study.shapes import STEPS, Shapes, by_importance
+from comparisons.study.shapes import STEPS
 from scenes import load_scene, run_modes, run_scene, save_result
 
 
@@ -90,20 +90,6 @@ def test_shapes_are_those_of_the_modes(page, result):
         np.testing.assert_array_equal(np.transpose(body["triangles"]), skin.regular_faces)
 
 
-def test_unstable_modes_come_first_and_stay_when_room_is_short(result, monkeypatch):
-    order, rows = by_importance(result), result.table()
-    verdicts = [rows[i]["verdict"] for i in order]
-    count = verdicts.count("unstable")
-    assert 1 < count < len(verdicts)
-    assert set(verdicts[:count]) == {"unstable"}
-    growth = [rows[i]["growth_rate"] for i in order[:count]]
-    assert growth == sorted(growth, reverse=True)
-    monkeypatch.setattr(of_pages, "_MOST", 1)
-    few = Shapes()
-    few.add("run", result, order)
-    assert list(few.modes["run"]) == [str(order[0] + 1)]
-
-
 def test_a_static_analysis_has_a_report(tmp_path):
     result = run_scene(load_scene("patch_test").on("fe"))
     page = Page(write_run_report(result, save_result(result, tmp_path / "result.json")))
@@ -114,6 +100,7 @@ def test_a_static_analysis_has_a_report(tmp_path):
     assert not page.modes()
 
 
+@pytest.mark.usefixtures("files_read_here")
 def test_matrices_have_a_report_without_shapes(tmp_path, cea):
     mmwrite("M.mtx", diags_array([1.0, 1.0, 1.0]).tocoo())
     mmwrite("K.mtx", diags_array([1.0, 4.0, 9.0]).tocoo())

@@ -23,7 +23,7 @@ CHANGES = (
 """The blocks about the first threshold that their exact solution knows."""
 
 
-def asked(backend, *distributions, count=400, **options):
+def asked(backend, *distributions, count=200, **options):
     spread = read_fields(distributions)
     return Asked("blocks", spread, sine_blocks(backend, *CHANGES), samples=count, **options)
 
@@ -52,18 +52,19 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(backend, tmp
     exact = (1.08 * MU_C - threshold) / (0.15 * MU_C)
     assert data["any"]["low"] <= exact <= data["any"]["high"]
     assert abs(data["any"]["probability"] - exact) < 4 * data["any"]["standard_error"]
-    assert data["certified"] == data["values"] == 400
+    assert data["certified"] == data["values"] == 200
     assert data["not_followed"] == 0
     assert len(data["modes"]) == 2
     for mode in data["modes"]:
         assert mode["grows"] == data["any"]["grows"]
-        assert mode["seen"] == 400
+        assert mode["seen"] == 200
     assert (found[grows].sum(axis=1) == 2).all()
     growth = swept.spectra.largest[grows]
     assert data["any"]["fastest"] == pytest.approx(growth.max())
     assert data["any"]["growth"]["median"] == pytest.approx(np.median(growth))
 
 
+@pytest.mark.parametrize("backend", ["iga", pytest.param("fe", marks=pytest.mark.slow)])
 def test_samples_are_those_of_full_solves(backend, tmp_path):
     """Every parameter of the undamped scene is spread."""
     spread = (
@@ -86,25 +87,6 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
         unstable = (modes.eigenvalues.real > scene.window.growth_threshold)[inside]
         assert grows[i].any() == unstable.any()
     scene.driver.free()
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["mu~normal:0.4:0.05", "P=1:2:3"], "as the others are"),
-        (["mu~normal:0.4:0.05", "--full"], "full"),
-        (["mu~normal:0.4:0.05", "--confirm", "5"], "confirm"),
-        (["mu~normal:0.4:0.05", "--samples", "1"], "2 to"),
-        (["mu~normal:0.4:0.05", "--seed", "-1"], "zero or more"),
-        (["mu=0:1:3", "--samples", "5"], "distributions"),
-        (["mu=0:1:3", "--seed", "5"], "distributions"),
-        (["mu~normal:-1:0.001"], "ends with values between them"),
-    ],
-)
-def test_commands_that_ask_for_no_samples_are_refused(words, told, cea):
-    code, _, fault = cea("sweep", "blocks", *words)
-    assert code
-    assert told in fault
 
 
 def test_single_modes_have_rows_where_nearly_all_are_followed():

@@ -34,16 +34,22 @@ def test_a_record_says_what_made_it(command):
     assert data["machine"]["cpus"] > 0
 
 
-@pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.name)
-def test_stored_cases_are_those_of_the_default_options(study):
+@pytest.mark.parametrize(
+    ("study", "step"),
+    [(PAPER, 5), pytest.param(PAPER, 1, marks=pytest.mark.slow), *((s, 1) for s in STUDIES[1:])],
+    ids=lambda each: getattr(each, "name", each),
+)
+def test_stored_cases_are_those_of_the_default_options(study, step):
     """So the command takes them: labels, options and scenes agree; of the paper any figures."""
     stored = {case["key"] for case in read(study.name, study.shipped).cases}
     assert sum(file.stat().st_size for file in Path(study.shipped).iterdir()) < 3e6
 
     def keys(options):
-        return {key_of(study, options, dict(case)) for case in study.cases(options)}
+        return {key_of(study, options, dict(case)) for case in [*study.cases(options)][::step]}
 
-    assert stored == keys(study.options())
+    own = keys(study.options())
+    assert len(own) == len(range(0, len(stored), step))
+    assert own <= stored
     if study is PAPER:
         assert set() < keys(study.options(("6", "5"))) < stored
 

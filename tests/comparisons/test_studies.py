@@ -18,14 +18,13 @@ from comparisons.study.sections import rows
 
 # Parts of the others are run and shown by test_formulation_studies.py, test_accuracy.py,
 # test_stability.py and test_benchmarks.py.
-QUICK = ("brake", "scaling")
 PLACES = {name: place for name, (place, _) in (STUDIES | BENCHMARKS).items()}
 
 
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
+        pytest.param(name, marks=() if name == "brake" else pytest.mark.slow)
         for name in PLACES
         if name not in ("matrices", "calculix")  # these need files, or another program
     ],

@@ -101,9 +101,11 @@ def file_of(backend, tmp_path):
     ("name", "field", "values"),
     [
         ("pressed", PRESSURE, (5e-3, 3e-2)),
-        ("pressed", MU, (0.1, 0.3)),
+        pytest.param("pressed", MU, (0.1, 0.3), marks=pytest.mark.slow),
         ("rotating_pressed", "bodies.inner.rotation.rate", (0.1, 0.3)),
-        ("rotating_pressed", "bodies.inner.material.rho", (1.0, 2.0)),
+        pytest.param(
+            *("rotating_pressed", "bodies.inner.material.rho", (1.0, 2.0)), marks=pytest.mark.slow
+        ),
         ("rotating", "bodies.inner.damping.alpha", (0.0, 0.1)),
     ],
 )
@@ -114,6 +116,7 @@ def test_values_in_full_are_those_of_runs(file_of, name, field, values):
     assert_runs(swept, [load_scene(file).change(field, value) for value in values])
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("field", [MU, "mu"])
 def test_parameters_of_expressions_are_factors_as_in_maps(file_of, field):
     wave = "0.2 + 0.3*x"
@@ -149,22 +152,9 @@ def test_thresholds_in_full_lie_between_values(monkeypatch):
     assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]
 
 
-@pytest.mark.parametrize(
-    ("name", "axis"),
-    [
-        ("pressed", f"{PRESSURE}=1e-3:1e-2:2"),
-        ("pressed", f"{MU}=0:0.3:2"),
-        ("rotating_pressed", "bodies.inner.rotation.rate=0:0.2:2"),
-        ("rotating_pressed", "bodies.inner.material.rho=1:2:2"),
-    ],
-)
-def test_what_moves_the_state_of_sliding_has_no_map(file_of, name, axis):
-    with pytest.raises(NoMapError):
-        mapped(file_of(name), [read_axis(axis)])
-
-
 def test_a_field_without_a_map_is_solved_in_full(cea):
     axis = "bodies.upper.material.nu=0.2:0.3:2"
-    code, told, fault = cea("sweep", "blocks", axis, "--set", "analysis.max_frequency=0.3")
+    coarse = [word for each in MESHES for word in ("--set", each)]
+    code, told, fault = cea("sweep", BLOCKS, axis, *coarse)
     assert not code, fault
     assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told

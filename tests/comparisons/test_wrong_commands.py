@@ -13,7 +13,6 @@ from blocks import two_blocks
 from cea.errors import InputError, printable
 from cea.files import check_writable, regular
 from comparisons.cli import options as extras
-from comparisons.sweep.points import read_axis
 from meshes.files.reading import read_mesh_file
 from scenes import SceneError, load_scene, read_scene
 from scenes.results.record import read_record
@@ -49,20 +48,6 @@ def test_a_wrong_file_names_what_is_wrong(text, field, word, cea, tmp_path):
     lines = [each for each in told.splitlines() if each.startswith(f"error: {field} = ")]
     assert any(word in each for each in lines), told
     assert len(told.splitlines()) <= 8
-
-
-@pytest.mark.parametrize(
-    ("line", "field"),
-    [
-        ("run blocks --out ''", "out"),
-        ("run blocks --out=", "out"),
-        ("run ''", "argument"),
-    ],
-)
-def test_empty_arguments_are_refused(line, field, cea, tmp_path):
-    code, _, told = cea(*shlex.split(line))
-    assert (code, told) == (1, f"error: {field} = '': something that is not empty\n")
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -174,12 +159,6 @@ def test_a_full_standard_output_ends_in_a_line():
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
     assert done.returncode == 1
     assert done.stderr == "error: output cannot be written: No space left on device\n"
-
-
-@pytest.mark.parametrize("axis", ["mu=0:1e308:3", "P=1e-31:1.0:log:3", "mu=0:nan:3"])
-def test_ends_of_axes_are_numbers_that_fields_may_have(axis):
-    with pytest.raises(InputError, match=r"1e[+-]30"):
-        read_axis(axis)
 
 
 def test_signs_that_terminals_obey_are_written_out():

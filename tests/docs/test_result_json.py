@@ -18,7 +18,7 @@ LISTS = ("unstable", "eigenvalues")
 COARSE = [
     "bodies.pad.mesh.iga.elements=[3,5,1]",
     "bodies.disc.mesh.iga.elements=[6,28,1]",
-    "analysis.max_frequency=8500.0",
+    "analysis.max_frequency=7000.0",
 ]
 
 

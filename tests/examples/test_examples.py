@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matrix_files import read_here
 
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
@@ -63,10 +64,11 @@ def test_mixed_bodies():
     assert mixed_bodies.most_unstable_frequency() == pytest.approx(6559.60358017531, rel=SAME)
 
 
+@pytest.mark.slow
 def test_friction_sweep():
-    found = friction_sweep.growth_rates(np.array([0.0, 0.2, 1.0]))
+    found = friction_sweep.growth_rates(np.array([0.0, 1.0]))
     assert found[0] == 0.0
-    assert found[1:] == pytest.approx([81.67269168, 480.89011511], rel=SAME)
+    assert found[1] == pytest.approx(480.89011511, rel=SAME)
 
 
 @pytest.mark.grid(quick=1)
@@ -77,7 +79,7 @@ def test_exact_errors(backend, error):
     assert exact_errors.worst_error(backend) == pytest.approx(error, abs=1e-10)
 
 
-@pytest.mark.parametrize("backend", ["fe", "iga"])
+@pytest.mark.grid(quick=1)
 def test_flutter_threshold(backend):
     assert flutter_threshold.threshold(backend) == pytest.approx(
         flutter_threshold.exact_threshold(), abs=2e-5
@@ -90,6 +92,7 @@ def test_matrices_in_scipy():
     assert ours == pytest.approx(1.374601243291j, rel=SAME)
 
 
+@pytest.mark.slow
 def test_which_formulation():
     """GPTS with enough points is as mortar and segments are; lumping and collocation are not."""
     found = which_formulation.growth_rates(3e11)
@@ -114,8 +117,9 @@ def test_brake_sweep(tmp_path):
     assert (tmp_path / "sweep.png").stat().st_size > 5000
 
 
-def test_matrices_from_files():
+def test_matrices_from_files(monkeypatch):
     """2 lambda = -0.1 + sqrt(0.01 - 16 + 0.4 v i); at v = 2 the root is 0.1 + 4 i."""
+    monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
     speeds = np.array([1.0, 2.0, 4.0])
     true = 0.5 * (np.sqrt(-15.99 + 0.4j * speeds).real - 0.1)
     found = matrices_from_files.growth_rates(tuple(speeds.tolist()))

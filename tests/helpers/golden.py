@@ -19,7 +19,6 @@ from tempfile import TemporaryDirectory
 from external_data import external
 
 GOLDEN = Path(__file__).parents[1] / "golden"
-BIN = Path(sys.executable).parent
 PARTS = ("contacts", "stresses", "steady_sliding")
 """Parts of a result, beside its eigenvalues, whose numbers are compared."""
 
@@ -30,8 +29,8 @@ def stored(name):
     return json.loads(gzip.decompress((GOLDEN / f"{name}.json.gz").read_bytes()))
 
 
-def run_frozen(command, case, folder):
-    """Content of ``result.json`` of a frozen case, run by a command in a folder.
+def run_frozen(call, case, folder):
+    """Content of ``result.json`` of a frozen case that a call with arguments runs in a folder.
 
     A case has the ``args`` of a scene that comes with the program, or the ``scene`` as TOML; where
     it names ``data``, a folder of data of others is needed too.
@@ -43,10 +42,7 @@ def run_frozen(command, case, folder):
         args = ["run", str(file)]
     if "data" in case:
         args += ["--data", str(external(case["data"]))]
-    done = subprocess.run(
-        [command, *args, "--out", out], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    call(*args, "--out", out)
     return json.loads((out / "result.json").read_text())
 
 
@@ -121,11 +117,15 @@ def main():
     parser.add_argument("--renew", action="store_true", help="store the numbers found")
     options = parser.parse_args()
     cases = stored("scenes")
+
+    def call(*arguments):
+        subprocess.run([options.command, *arguments], stdout=subprocess.DEVNULL, check=True)
+
     for name, case in cases.items():
         if not re.search(options.only, name):
             continue
         with TemporaryDirectory() as folder:
-            result = run_frozen(options.command, case, folder)
+            result = run_frozen(call, case, folder)
         found = list(differences(case, result))
         sys.stdout.write(f"{name}: {'; '.join(found[:4]) or 'equal'}\n")
         if options.renew:
