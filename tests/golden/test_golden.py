@@ -9,6 +9,7 @@ from golden import differences, run_frozen, stored
 from mpi import command
 
 from comparisons import agreement, locking, patch_tests
+from comparisons.accuracy.cases import measure
 from comparisons.paper.claims import judged
 from comparisons.paper.study import STUDY as PAPER_STUDY
 from comparisons.study.result import read
@@ -118,3 +119,16 @@ def test_pairings_of_backends_are_as_frozen(tmp_path):
         assert dofs == expected["dofs"]
         own = modes.loc[modes["run"] == name, ["frequency", "growth"]].to_numpy()
         np.testing.assert_allclose(own, expected["unstable"], rtol=1e-7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", stored("tables")["accuracy_quick"])
+def test_errors_against_exact_eigenvalues_are_as_frozen(row):
+    """The quick study of accuracy: four digits of each error are kept."""
+    case = {"problem": row["problem"], "p": row["stiffness"], **row["method"]}
+    found = measure(case, row["refinement"], repeats=1)
+    for key in ("dofs", "points", "modes"):
+        assert found[key] == row[key]
+    for quantity in ("lambda", "frequency", "growth"):
+        keys = row[quantity]
+        assert_same_errors([found[f"{quantity}_{k}"] for k in keys], list(keys.values()))
