@@ -159,8 +159,8 @@ def test_huge_meshes_are_refused_at_once(name, setting):
 
 FINE = {
     f"bodies.{body}.mesh": {
-        "fe": {"cell": "quadrilateral", "elements": [16, 8]},
-        "iga": {"degree": [2, 2], "elements": [32, 16]},
+        "fe": {"cell": "quadrilateral", "elements": [32, 16]},
+        "iga": {"degree": [2, 2], "elements": [64, 32]},
     }
     for body in ("upper", "lower")
 }

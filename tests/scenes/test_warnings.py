@@ -70,17 +70,17 @@ def test_a_closed_gap_is_told_with_its_width(apart, expected):
     assert found.get("distance") == (expected and pytest.approx(expected, rel=1e-9))
 
 
-def cantilever(backend, degree, nu):
+def cantilever(backend, degree, nu, elements=4):
     """A beam of length 4 and height 1 clamped at its end."""
     held = {"material": {"E": 1.0, "nu": nu, "rho": 1.0}, "supports": [{"surface": "x_min"}]}
-    beam = rectangle(backend, [4.0, 1.0], [16, 4], degree=degree, **held)
+    beam = rectangle(backend, [4.0, 1.0], [4 * elements, elements], degree=degree, **held)
     return read_scene(alone(beam, 0.5))
 
 
 @cache
 def exact_frequencies(nu):
     """The first three frequencies of the beam."""
-    return run_modes(cantilever("iga", 6, nu)).frequencies[:3]
+    return run_modes(cantilever("iga", 6, nu, elements=8)).frequencies[:3]
 
 
 def locking_error(backend, degree, nu):
@@ -208,14 +208,7 @@ def test_scenes_without_units_say_so_once_and_are_left_alone(backend):
         assert "doubts of units" in result.skipped
     found = list(doubtful_numbers(result.scene.change("units", "SI")))
     assert kinds(found) == ["doubtful-units", "doubtful-size"]
-    assert found[0].data["value"] == pytest.approx(np.sqrt(TONNES["E"] / TONNES["rho"]), rel=1e-3)
+    # The speed of sound would be sqrt(2.1e5 / 7.85e-9) m/s.
+    assert found[0].data["value"] == pytest.approx(5.172e6, rel=1e-3)
     assert doubts_of_both(bar(backend, TONNES, max_frequency=2e6)) == ["doubtful-units"]
-
-
-def test_steel_in_tonnes_and_millimetres_is_told_by_every_run(backend):
-    """Its speed of sound would be sqrt(2.1e5 / 7.85e-9) = 5.17e6 m/s."""
-    data = bar(backend, TONNES, max_frequency=2e6)
-    assert doubts_of_both(data) == ["doubtful-units"]
-    (warning,) = doubtful_numbers(read_scene(data))
-    assert warning.data["value"] == pytest.approx(5.172e6, rel=1e-3)
     assert doubts_of_both(bar(backend)) == []
