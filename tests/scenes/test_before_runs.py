@@ -169,7 +169,7 @@ FINE = {
 @pytest.mark.grid(quick=1)
 def test_factors_go_to_disk_where_memory_would_not_do(backend, monkeypatch):
     """Of a fresh run, and at every value of a scene that is assembled once."""
-    scene = load_scene("blocks", backend=backend).change(FINE | {"analysis.max_frequency": 0.5})
+    scene = load_scene("blocks", backend=backend).change(FINE | {"analysis.max_frequency": 0.3})
     plain = run_modes(scene)
     assert "factors-on-disk" not in [warning.kind for warning in plain.warnings]
     monkeypatch.setattr(mumps, "free_memory", lambda comm: 1e6)

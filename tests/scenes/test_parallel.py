@@ -18,7 +18,7 @@ from same_numbers import assert_same
 
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.petsc import MPI
-from comparisons.cli.app import main
+from comparisons.cli import app
 from comparisons.study.matching import match_spectrum
 from scenes import run_modes, run_scene
 from scenes.running import system
@@ -90,7 +90,7 @@ def mixed_pairing(backend):
 
 def disc_pad(backend):
     """Disc and pad on few elements, on which the modes flutter late."""
-    data = coarse("disc_pad", backend, {"pad": [2, 3, 1], "disc": [3, 24, 1]})
+    data = coarse("disc_pad", backend, {"pad": [2, 3, 1], "disc": [2, 16, 1]})
     method = {"fe": GRID, "iga": {"method": "segments"}}[backend]
     data["contacts"]["pad_disc"] |= {"formulation": method, "mu": 2.0}
     data["analysis"]["max_frequency"] = 6000.0
@@ -269,8 +269,8 @@ def lone_fault(faulty, out):
     if MPI.COMM_WORLD.rank == faulty:
         fault = RuntimeError("only one rank")
         system.build_contacts = Mock(side_effect=fault)
-    with suppress(BaseException):
-        main()
+    with suppress(BaseException), patch.object(app, "_PATIENCE", 0.5):
+        app.main()
 
 
 @pytest.mark.parametrize("rank", [pytest.param(0, marks=slow), 1])
