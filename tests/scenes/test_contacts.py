@@ -43,15 +43,9 @@ def test_rounding_where_friction_vanishes_is_not_negative_friction(backend):
 
 
 def test_a_direction_by_expressions_is_the_circumferential_one():
-    changes = {
-        "bodies.disc.mesh.fe.elements": [4, 16, 1],
-        "bodies.pad.mesh.fe.elements": [2, 3, 1],
-    }
-    both = []
-    for direction in (
-        {"circumferential_about": [0.0, 0.0, 1.0]},
-        {"field": ["-y", "x", "0"]},
-    ):
+    few = {"disc": [4, 16, 1], "pad": [2, 3, 1]}
+    changes, both = {f"bodies.{name}.mesh.fe.elements": n for name, n in few.items()}, []
+    for direction in ({"circumferential_about": [0.0, 0.0, 1.0]}, {"field": ["-y", "x", "0"]}):
         changes["contacts.pad_disc.friction_direction_on_a"] = direction
         system = system_of(load_scene("disc_pad", backend="fe").change(changes))
         points = system.contacts[0].interface.points
