@@ -3,6 +3,7 @@
 import pytest
 from blocks import FORMULATIONS, PLACEMENTS, ROTATED
 from covering import mark_slow_cases
+from matrix_files import read_here
 
 import cea.petsc  # noqa: F401  (ahead of anything that imports PETSc, MPI or dolfinx)
 
@@ -53,6 +54,13 @@ def _same_random_numbers(request, first_random_state):
     """Each test draws the same numbers, whichever tests ran before it."""
     if first_random_state is not None:
         request.module.RNG.bit_generator.state = first_random_state
+
+
+@pytest.fixture
+def files_read_here(monkeypatch):
+    """Files are read in this process, but by processes that a test starts."""
+    for reader in ("meshes.files.ansys", "meshes.files.gmsh", "scenes.matrices.reading"):
+        monkeypatch.setattr(f"{reader}.arrays_of", read_here)
 
 
 @pytest.fixture(params=["fe", "iga"])

@@ -50,18 +50,13 @@ def gmsh_model(mesh):
         yield model
 
 
-def outer_facets(mesh):
-    """Facets of one cell only, as sorted nodes."""
+def assert_outer_facets_are_named(mesh):
+    """Every shape names its whole boundary: a face that neighbours divide unlike is none of it."""
     facets = [mesh.cells[:, facet] for facet in facet_nodes(mesh.cell, mesh.order)]
     rows, count = np.unique(np.sort(np.concatenate(facets), axis=1), axis=0, return_counts=True)
     assert count.max() <= 2
-    return rows[count == 1]
-
-
-def assert_outer_facets_are_named(mesh):
-    """Every shape names its whole boundary: a face that neighbours divide unlike is none of it."""
     named = np.sort(np.concatenate(list(mesh.surfaces.values())), axis=1)
-    assert np.array_equal(outer_facets(mesh), np.unique(named, axis=0))
+    assert np.array_equal(rows[count == 1], np.unique(named, axis=0))
 
 
 def measures(mesh):

@@ -18,15 +18,21 @@ N = 24
 
 
 def read_here(program, file):
-    """What a program of :mod:`meshes.files.sandbox` reads, without starting another python."""
+    """What a program of :mod:`meshes.files.sandbox` reads, without starting another python.
+
+    Programs that read meshes leave gmsh initialised.
+    """
     with TemporaryDirectory() as folder:
         arrays = Path(folder) / "arrays.npz"
         try:
             argv = ["", str(file), str(arrays)]
             with catch_warnings(action="ignore"), patch.object(sys, "argv", argv):
-                run_path(str(program))
+                run_path(str(program), run_name="__main__")
         except SystemExit as end:
             raise InputError("file", str(file), f"a whole {file.suffix} file ({end})") from None
+        finally:
+            if "gmsh" in sys.modules and sys.modules["gmsh"].isInitialized():
+                sys.modules["gmsh"].finalize()
         with np.load(arrays) as read:
             return dict(read)
 

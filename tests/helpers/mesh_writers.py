@@ -1,6 +1,7 @@
 """Mesh files of every format, by other programs where there are some: boxes, mixed elements."""
 
 from itertools import product
+from pathlib import Path
 
 import gmsh
 import meshio
@@ -178,71 +179,7 @@ def gmsh_wedges(file, **how):
         return gmsh_model_file(file, **how)
 
 
-DECK = """*Heading
- two cubes of one part, the second shifted and turned
-*PREPRINT, echo=NO
-*Part, name=Cube
-*Node
-1, 0., 0., 0.
-2, 1., 0., 0.
-3, 1., 1., 0.
-4, 0., 1., 0.
-5, 0., 0., 1.D0
-6, 1., 0., 1.
-7, 1., 1., 1.
-8, 0., 1., 1.
-*Node, nset=Upper
-9, 0., 0., 2.
-10, 1., 0., 2.
-11, 1., 1., 2.
-12, 0., 1., 2.
-** a comment, and an element over two lines
-*Element, type=C3D8I,
-  elset=First
-1, 1, 2, 3, 4, 5,
-6, 7, 8
-*Element, type=C3D8R, elset=Second
-7, 5, 6, 7, 8, 9, 10, 11, 12
-*Nset, nset=Bottom, generate
-1, 4
-*Nset, nset=AllNodes
-Bottom, UPPER, 5, 6, 7, 8
-*Elset, elset=Both
- First, second
-*Surface, type=ELEMENT, name=Top
-Second, S2
-*Surface, type=NODE, name=Base
-Bottom,
-*Surface, name=Ends
-Second, S2
-First, S1
-*Surface, name=Floor
-First, S1
-*Surface, name=Lower, combine=UNION
-Floor,
-*End Part
-*Assembly, name=Assembly
-*Instance, name=Cube-1, part=Cube
-*End Instance
-*Instance, name=Cube-2, part=CUBE
-10., 0., 0.
-10., 0., 0., 10., 0., 1., 90.
-*End Instance
-*Nset, nset=Held, instance=Cube-2
-1, 2, 3, 4
-*Nset, nset=Some
-Cube-2.1, Cube-2.2, Cube-2.Bottom
-*Nset, nset=OfElements, elset=Cube-2.First
-*Elset, elset=_Side_S3, internal, instance=Cube-2
-1, 7
-*Surface, type=ELEMENT, name=Side
-_Side_S3, S3
-*End Assembly
-*Step
-*Node
-1, 5., 5., 5.
-*End Step
-"""
+DECK = (Path(__file__).parents[1] / "data" / "two_cubes.inp").read_text()
 """A deck of Abaqus with parts, instances and all ways to name sets."""
 
 

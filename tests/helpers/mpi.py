@@ -2,7 +2,8 @@
 
 For each number of ranks one MPI program is started, which then waits for calls: `on_ranks` calls a
 function on every rank of it and returns what it returned on rank 0; `cea_on_ranks` runs a command
-line there. `mpiexec` starts a program of its own, for what ends its program.
+line there. A call that ends its program fails, and the next one starts another. `mpiexec` starts a
+program of its own.
 """
 
 import atexit

@@ -17,6 +17,7 @@ from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Rectangle
 
+pytestmark = pytest.mark.usefixtures("files_read_here")
 FILES = ("a.msh", "a22.msh", "binary.msh", "a.inp", "a.cdb", "a.bdf", "a.nas", "a.xdmf", "a.vtu")
 KINDS = [("hexahedron", 1), ("hexahedron", 2), ("tetrahedron", 1), ("tetrahedron", 2)]
 WITH_ALL_NODES = [name for name in FILES if name.endswith((".msh", ".xdmf", ".vtu"))]

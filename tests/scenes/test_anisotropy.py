@@ -46,7 +46,9 @@ def isotropic(E, nu, rho):
 def test_isotropic_constants_give_the_isotropic_eigenvalues(backend, axes):
     """In the plane, with contact, and in space."""
     solid = block(backend, {"E": 1e10, "nu": 0.3, "rho": 2500.0}, (2, 2, 1), top=20000.0)
-    for scene, name in ((load_scene("blocks", backend=backend), "upper"), (solid, "part")):
+    few = {f"bodies.{name}.mesh.{backend}.elements": [5, 2] for name in ("upper", "lower")}
+    plane = load_scene("blocks", backend=backend).change(few)
+    for scene, name in ((plane, "upper"), (solid, "part")):
         own = scene.bodies[name].material
         other = isotropic(own.E, own.nu, own.rho) | {"axes": axes}
         found = run_modes(scene.change(f"bodies.{name}.material", other)).eigenvalues
@@ -125,7 +127,7 @@ def test_both_backends_converge_to_the_same_disc_with_cylindrical_axes():
 @pytest.mark.parametrize("material", [WOOD | {"axes": OBLIQUE}, FIVE], ids=["nine", "five"])
 def test_modes_and_derivatives_in_constants_are_those_of_other_scenes(backend, material):
     """The pencil at other constants against a fresh scene; derivatives against differences."""
-    scene = block(backend, material, (2, 1, 1), damping={"alpha": 5.0, "beta": 1e-8})
+    scene = block(backend, material, (1, 1, 1), damping={"alpha": 5.0, "beta": 1e-8})
     assembled = assemble(scene)
     modes = assembled.modes(left=True).modes
     names = [name for name in material if name[0] in "EnG"]

@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 from bad_inputs import BUILT, changed, coarse
+from blocks import coarse as of_few_elements
 from blocks import two_blocks
 from PIL import Image
 
@@ -68,7 +69,8 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 
 def test_without_friction_no_slip_operator_and_the_symmetric_path(backend):
     for mu in (0.0, 0.4):
-        result = run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu)))
+        data = of_few_elements(two_blocks(backend, GPTS, held=True, mu=mu))
+        result = run_scene(read_scene(data))
         (contact,) = result.system.contacts
         assert (contact.slip is None) == (contact.K_f is None) == (mu == 0.0)
         assert ("friction" in result.skipped) == (mu == 0.0)
@@ -167,7 +169,7 @@ FINE = {
 @pytest.mark.grid(quick=1)
 def test_factors_go_to_disk_where_memory_would_not_do(backend, monkeypatch):
     """Of a fresh run, and at every value of a scene that is assembled once."""
-    scene = load_scene("blocks", backend=backend).change(FINE | {"analysis.max_frequency": 0.5})
+    scene = load_scene("blocks", backend=backend).change(FINE | {"analysis.max_frequency": 0.3})
     plain = run_modes(scene)
     assert "factors-on-disk" not in [warning.kind for warning in plain.warnings]
     monkeypatch.setattr(mumps, "free_memory", lambda comm: 1e6)

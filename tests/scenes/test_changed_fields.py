@@ -75,11 +75,11 @@ ROWS = [
     # damping, rotation, sliding
     Row("linear", {f"{UPPER}.damping": {"alpha": 0.1}}),
     Row("rotating", of(f"{INNER}.damping", alpha=0.05, beta=0.0)),
-    Row("damped", {f"{DISC}.damping.modal.ratio": 0.05}, backend="fe"),
+    Row("damped", {f"{DISC}.damping.modal.ratio": 0.05}, backend="iga"),
     Row("rotating", {f"{INNER}.rotation.rate": 0.3}),
     Row("rotating", {f"{INNER}.rotation.convective_stiffness": False}),
     Row("rotating", {f"{CONTACT}.sliding.pressure": 0.05, f"{CONTACT}.sliding.mu_slope": -0.2}),
-    Row("damped", {f"{CONTACT}.sliding.speed": 0.2}, backend="fe"),
+    Row("damped", {f"{CONTACT}.sliding.speed": 0.2}, backend="iga"),
 ]  # fmt: skip
 
 

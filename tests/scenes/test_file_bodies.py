@@ -14,6 +14,7 @@ from mpi import cea_on_ranks
 from scenes import SceneError, load_scene, open_result, read_scene, run_modes
 from scenes.spec.plain import scene_text
 
+pytestmark = pytest.mark.usefixtures("files_read_here")
 KINDS = [("hexahedron", 1), ("hexahedron", 2), ("tetrahedron", 1), ("tetrahedron", 2)]
 
 

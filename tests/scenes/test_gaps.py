@@ -17,6 +17,7 @@ from meshes.shape_mesh import shape_mesh
 from scenes import load_scene, read_scene, run_static
 from scenes.building.build import build_bodies, build_contacts
 
+pytestmark = pytest.mark.usefixtures("files_read_here")
 MORTAR, SEGMENTS = {"method": "mortar"}, {"method": "segments"}
 
 

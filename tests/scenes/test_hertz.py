@@ -67,7 +67,7 @@ def errors(result):
 @pytest.mark.convergence
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_a_cylinder_on_a_block(backend):
-    row = np.array([8, 11, 16, 23, 32])
+    row = np.array([8, 16, 32])
     found = [errors(run_static(scene(backend, n, 1e15 * n / row[0]))) for n in row]
     radius, closed, peak, load = np.abs([each for each, _ in found]).T
     rates = [-np.polyfit(np.log(row), np.log(values), 1)[0] for values in (radius, peak)]

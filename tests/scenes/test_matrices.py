@@ -6,7 +6,7 @@ from functools import reduce
 
 import numpy as np
 import pytest
-from matrix_files import dense, inside, pieces, read_here, scene, undamped, write
+from matrix_files import dense, inside, pieces, scene, undamped, write
 from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, diags_array, random_array, save_npz, tril, triu
 
@@ -17,12 +17,7 @@ from scenes.matrices.reading import read_matrix
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import split_name
 
-
-@pytest.fixture(autouse=True)
-def _read_here(monkeypatch):
-    """Files are read in this process, where a test does not undo that."""
-    monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
-
+pytestmark = pytest.mark.usefixtures("files_read_here")
 
 GOOD = csr_array(random_array((7, 7), density=0.4, rng=np.random.default_rng(3)))
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import pytest
-from blocks import two_blocks
+from blocks import coarse, two_blocks
 
 from cea.contact import formulations
 from cea.contact.formulations import Formulation, register, registered
@@ -38,7 +38,7 @@ def _registered(monkeypatch):
 
 def test_a_scene_names_it_and_both_backends_run_it(backend):
     def eigenvalues(formulation):
-        data = two_blocks(backend, formulation, held=True, P=3.0)
+        data = coarse(two_blocks(backend, formulation, held=True))
         return run_scene(read_scene(data)).modes.eigenvalues
 
     found = eigenvalues({"method": "midpoints"})

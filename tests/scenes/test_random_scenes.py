@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from blocks import rectangle
 from random_runs import judged, outcome_of_scene, scene_outcome
 
 from scenes.spec.reading import read_scene
@@ -26,28 +27,14 @@ def test_closures_that_nearly_depend_on_each_other():
     One sum of closures has a size of 1e-6, so that its compliance and that of the bodies are about
     equal; a factorisation alone has four digits of them.
     """
-    angle, length = 357.424, 0.470255
+    angle, size = 357.424, [0.470255, 1.45505831845]
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-
-    def body(size, origin, elements, E, rho, supports):
-        return {
-            "backend": "iga",
-            "geometry": {"shape": "rectangle", "size": size, "origin": origin},
-            "placement": {"angle": angle},
-            "material": {"E": E, "nu": 0.3, "rho": rho},
-            "mesh": {"iga": {"degree": [2, 2], "elements": elements}},
-            "supports": supports,
-        }
-
-    upper = (
-        [length, 1.45505831845],
-        [-length, 0.0],
-        [4, 1],
-        0.0522248,
-        1.14917,
-        [{"surface": "y_max"}],
-    )
-    lower = [3.0, 1.0], [-1.5, -1.0], [5, 1], 0.00417021, 0.56096, []
+    upper = rectangle("iga", size, [4, 1], origin=[-size[0], 0.0])
+    upper |= {"material": {"E": 0.0522248, "nu": 0.3, "rho": 1.14917}}
+    upper |= {"supports": [{"surface": "y_max"}], "placement": {"angle": angle}}
+    base = rectangle("iga", [3.0, 1.0], [5, 1], origin=[-1.5, -1.0])
+    base |= {"material": {"E": 0.00417021, "nu": 0.3, "rho": 0.56096}}
+    base |= {"placement": {"angle": angle}}
     contact = {
         "a": "upper.y_min",
         "b": "base.y_max",
@@ -59,7 +46,7 @@ def test_closures_that_nearly_depend_on_each_other():
     }
     data = {
         "name": "nearly dependent",
-        "bodies": {"upper": body(*upper), "base": body(*lower)},
+        "bodies": {"upper": upper, "base": base},
         "contacts": {"between": contact},
         "analysis": {"kind": "cea", "max_frequency": 0.164527},
     }

@@ -38,7 +38,8 @@ slow = pytest.mark.slow
 def worst_error(scene, overrides, backend=None, highest=None):
     """Largest relative error of the lowest eigenvalues, all of which are found."""
     top = highest or HIGHEST[scene]
-    found = compare(solve(scene, top, overrides, backend), exact(scene, top), top)
+    modes, values = solve(scene, top, overrides, backend), exact(scene, HIGHEST[scene])
+    found = compare(modes, values, top)
     assert [*found.missing, *found.spurious] == []
     return found.errors.max()
 
@@ -52,7 +53,7 @@ def formulated(formulation, **fields):
 
 @pytest.mark.parametrize(
     ("scene", "backend", "formulation"),
-    covering(("blocks", "drum"), BACKENDS, FORMULATIONS),
+    covering(("blocks", "drum"), BACKENDS, FORMULATIONS, strength=1),
     indirect=["formulation"],
 )
 def test_every_formulation_finds_the_exact_spectrum(scene, backend, formulation, request):
@@ -123,7 +124,7 @@ MESHES = {
     ("blocks", "fe"): {"upper": [8, 2], "lower": [5, 3]},
     ("blocks", "iga"): {"upper": [10, 2], "lower": [7, 3]},
 }
-QUICK = (("drum", "fe", 2), ("blocks", "iga", 2))
+QUICK = (("drum", "iga", 2), ("blocks", "fe", 2))
 ORDERS = [
     ("drum", "fe", 1, (3, 4, 6), 5e-3),
     ("drum", "fe", 2, (2, 3, 4), 2e-5),
