@@ -47,7 +47,7 @@ slow = partial(pytest.param, marks=pytest.mark.slow)
 @pytest.mark.parametrize(
     ("kind", "seeds"),
     [
-        ("linear", range(12)),
+        ("linear", range(4)),
         ("linear", (556,)),  # where the faster driver of singular values fails
         ("quadratic", range(12)),
         ("quadratic", (226, 496, 939)),  # lambda of free motions is zero to the last digit
@@ -68,9 +68,9 @@ def test_lapack_tells_all_of_small_ones(kind, seeds):
 @pytest.mark.parametrize(
     ("kind", "seeds"),
     [
-        ("linear", (19, 27, 32, 47, 59, 109, 410, 516)),  # more copies than a block has columns
-        ("quadratic", range(6)),
-        slow("linear", range(300)),
+        ("linear", (19, 59)),  # more copies than a block has columns
+        ("quadratic", range(4)),
+        slow("linear", (*range(300), 410, 516)),
         slow("quadratic", range(300)),
         slow("low_rank", range(150)),
     ],
@@ -84,7 +84,7 @@ def test_krylov_spaces_find_all_of_them_too(kind, seeds, monkeypatch):
 def test_what_no_scaling_mends_is_owned_to():
     """Eigenvalues are whole numbers, and known to what the result says, or it is refused."""
     known = 0
-    for seed in range(60):
+    for seed in range(30):
         matrix, kappa = sheared(seed)
         try:
             pencil = pencil_of(np.eye(len(matrix)), None, matrix, graded=True)
@@ -96,7 +96,7 @@ def test_what_no_scaling_mends_is_owned_to():
         assert (error <= modes.growth_uncertainties + 1e-14).all()
         assert "unstable" not in modes.verdicts()
         known += 1
-    assert known > 30
+    assert known > 15
 
 
 PROBLEMS = {f"{seed} {power}": random_graded(seed, power) for power in POWERS for seed in (0, 1)}

@@ -134,9 +134,9 @@ def test_a_disc_about_the_middle_covers_what_a_cone_leaves(slope, depth):
     assert distance_of_cone(1.0, 0.5, depth, np.inf) == np.inf
 
 
-@pytest.mark.parametrize("beyond", [20, 400])
-def test_a_wide_cone_takes_a_second_shift(beyond):
+def test_a_wide_cone_takes_a_second_shift():
     """Flutter that the first disc does not hold."""
+    beyond = 100
     blocks = [*band(beyond, 1.05, 4.0), *band(beyond // 4, 0.013, 0.99), [[900.0]], pair(0.2, 0.75)]
     modes = solve_modes(pencil_with(blocks), HERTZ, options=KRYLOV)
     assert modes.window.discs == 2

@@ -18,7 +18,7 @@ SECTOR = Sector(INNER, OUTER, START, END, BOTTOM, TOP)
 BOX = Box((2.0, 1.0, 0.5), (0.1, 0.2, 0.3))
 
 
-def body(shape, elements=(2, 8, 2), degree=(2, 3, 2), placement=TILTED):
+def body(shape, elements=(1, 16, 2), degree=(2, 3, 2), placement=TILTED):
     return shape_body(shape, None, degree, elements, placement=placement)
 
 
@@ -94,7 +94,7 @@ def test_oblique_lines_meet_a_cylinder_where_they_should():
     direction *= (rng.choice([-1, 1], count) / np.linalg.norm(direction, axis=1))[:, None]
     reach = 0.5 * radius
     exact = nearest_root(x, direction, radius, low, high, reach)
-    surface = body(ANNULUS, (2, 16, 3)).surfaces["inner"]
+    surface = body(ANNULUS, (1, 16, 3)).surfaces["inner"]
     found = surface.locate(TILTED.apply(x), direction @ TILTED.rotation.T, reach)
     hit = ~np.isnan(exact)
     assert 0.4 * count < hit.sum() < 0.9 * count
