@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
-from petsc_matrices import dense_pencil, to_numpy, to_petsc
+from petsc_matrices import dense_pencil, to_numpy
 
-from cea.eigen.coefficients import Coefficient
-from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
 from scenes.spec.plain import set_fields
 
@@ -100,8 +98,3 @@ def pencil():
 def test_parameters_that_cannot_be_are_refused(name, value, told, pencil):
     with pytest.raises(InputError, match=told):
         pencil.at({name: value})
-
-
-def test_a_coefficient_must_name_parameters_that_are_there():
-    with pytest.raises(InputError, match="Omega"):
-        Pencil([Term("stiffness", to_petsc(np.eye(2)), Coefficient({"Omega": (1.0, 2.0)}))])

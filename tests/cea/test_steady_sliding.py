@@ -5,7 +5,7 @@ import pytest
 from blocks import FORMULATIONS, assemble, coarse
 from covering import covering
 from motions import dense
-from pressed import AREA, PRESSURE, SOFT, coupled_blocks, pressed_blocks
+from pressed import AREA, PRESSURE, SOFT, pressed_blocks
 
 from cea.contact.laws import NormalCompliance
 from cea.errors import ConvergenceError, InputError
@@ -14,6 +14,14 @@ from cea.system.steady_path import steady_sliding
 
 GPTS = {"method": "gpts", "points": 3}
 RNG = np.random.default_rng(5)
+
+
+def coupled_blocks(*arguments, held=True, **options):
+    """The system of coarse blocks that are pressed, before steady sliding is sought."""
+    data = coarse(pressed_blocks(*arguments, **options), degree=2)
+    if not held:
+        data["bodies"]["upper"]["supports"] = []
+    return assemble(data)
 
 
 @pytest.mark.grid
@@ -81,13 +89,8 @@ CROWNED = {"c_n": 1e4, "m_n": 2.0, "mu": 0.0, "added_gap": "5*(x-0.45)**2"}
 )
 def test_loads_and_laws_without_an_equilibrium_are_refused(backend, formulation, fields, told):
     """The crowned contact is closed on a line, about which the block may turn."""
-    fields = dict(fields)
-    held = fields.pop("held", True)
-    data = coarse(pressed_blocks(backend, formulation, **fields), degree=2)
-    if not held:
-        data["bodies"]["upper"]["supports"] = []
     with pytest.raises(ConvergenceError, match=told):
-        steady_sliding(assemble(data))
+        steady_sliding(coupled_blocks(backend, formulation, **fields))
 
 
 def test_what_has_no_law_or_no_load_is_refused(backend):

@@ -6,15 +6,12 @@ from blocks import ROTATED, alone, scene_body
 from covering import covering
 from motions import control_points
 from petsc_matrices import gather, to_scipy
-from scipy.sparse import csr_array
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.supports.directions import Directions
-from cea.supports.elimination import ProjectedConstraints, constrain
 from cea.timing import StageTimer
 from meshes.placement import Placement
 from scenes.building.build import build_bodies
@@ -46,15 +43,6 @@ def eigenvalues(body, max_frequency):
     """Squares of the angular frequencies."""
     modes = solve_modes(Pencil.of(body.stiffness(), body.mass()), max_frequency)
     return modes.eigenvalues.imag**2
-
-
-@pytest.mark.parametrize("last", [[1.0, 0, 0, 1.0, 0, 0], [1.0, 0, 0, 1.0 + 1e-9, 0.5, 0]])
-def test_rows_that_cannot_be_solved_for_their_anchors_are_refused(last):
-    anchors = Directions.of(np.array([0, 1]), np.eye(3)[[0, 0]])
-    rows = csr_array(np.array([[1.0, 0, 0, 1.0, 0, 0], last]))
-    shares = ProjectedConstraints(anchors, {0: rows}, np.zeros(2))
-    with pytest.raises(InputError, match="supports of the pad"):
-        constrain(2, Directions.joined([], 3), shares, field="supports of the pad")
 
 
 SIDES = [("start", "y"), ("end", "x"), ("bottom", "z")]

@@ -1,6 +1,5 @@
 """Lagrange bodies of every cell, degree 1 to 4, in space and in the plane, on curved meshes."""
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -14,7 +13,7 @@ from cea.surface_points import SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Box, Ring
+from meshes.shapes import Ring
 from meshes.true_surfaces import true_surfaces
 
 SLOPE, SHIFT = np.array([0.7, -0.4, 0.5]), 0.3
@@ -106,9 +105,6 @@ def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell, mesh):
         np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)
 
 
-BOX = Box((0.2, 0.2, 0.1))
-
-
 def surface_of(mesh, name, **options):
     body = lagrange_body("part", mesh, degree=mesh.order, material=MATERIAL, **options)
     return body.surfaces[name]
@@ -135,13 +131,3 @@ def test_of_facets_it_bounds_their_distance(order):
     assert (distance < found).all()
     assert (found < {1: 1.1, 2: 5, 3: 8, 4: 15}[order] * distance).all()
     assert (known.geometry_error(points.at) == 0).all()
-
-
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-@pytest.mark.parametrize("order", [1, 2])
-def test_of_flat_faces_and_at_edges_of_bodies_it_is_zero(cell, order):
-    """Also of a surface that goes round an edge of a box."""
-    mesh = meshed(BOX, cell, order, (3, 3, 2))
-    both = np.concatenate([mesh.surfaces["x_max"], mesh.surfaces["z_max"]])
-    found = estimate(replace(mesh, surfaces={"both": both}), "both")
-    assert found.max() < 1e-15
