@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bodies import PLASTIC, lagrange_body, nurbs_body
+from bodies import FLAT, PLASTIC, ROUND, SPACE, body_of, lagrange_body, nurbs_body
 from iga_data import TURNED, basis_on_grid, body, turned
-from lagrange_bodies import FLAT, ROUND, SPACE, body_of
 from petsc_matrices import to_scipy
 
 from cea.errors import InputError
