@@ -5,6 +5,7 @@ fills [-1/2, 3/2]^dim but for the positive corner, so that it faces the block on
 planes: 2 faces in the plane, 3 in space.
 """
 
+from functools import cache
 from itertools import chain, product
 
 import numpy as np
@@ -69,11 +70,13 @@ def rules(kind):
     }
 
 
-def part(name, kind, dim, elements, *, together=True, **conditions):
-    """The block or the seat, of elements along each side, with supports or other conditions.
+@cache
+def part(name, kind, dim, *, together=True, supports=()):
+    """The block or the seat, which its users leave as it is.
 
     Its contact surface is "corner", or "face 0", "face 1", ... one by one.
     """
+    elements = 5 - dim
     lines = [np.linspace(0.0, 1.0, elements + 1)]
     if name == "seat":
         lines = [np.linspace(-0.5, 0.0, 2), np.linspace(0.0, 1.5, elements + 1)]
@@ -83,7 +86,7 @@ def part(name, kind, dim, elements, *, together=True, **conditions):
         faces = {"corner": [*chain(*faces.values())]}
     if name == "seat":
         faces["back"] = _ends(boxes, 0, -0.5)
-    conditions |= {"degree": 2, "material": MATERIAL}
+    conditions = {"degree": 2, "material": MATERIAL, "supports": supports}
     if kind == "nurbs":
         conditions["degree"] = (2,) * dim
         return nurbs_body(name, [_patch(each) for each in boxes], faces, **conditions)
@@ -138,10 +141,10 @@ def system(
     seat may be held at its back. p is a number, a function of positions and normals, or a law that
     is not linear, which is linearised about a penetration.
     """
-    supports = {"supports": [Support("back")]} if held else {}
+    supports = (Support("back"),) if held else ()
     bodies = {
-        "block": part("block", kind, dim, 5 - dim, together=together),
-        "seat": part("seat", kind, dim, 5 - dim, together=together, **supports),
+        "block": part("block", kind, dim, together=together),
+        "seat": part("seat", kind, dim, together=together, supports=supports),
     }
     a, b = ("seat", "block") if reverse else ("block", "seat")
     push = AlongVector((-1.0 if reverse else 1.0,) * dim)

@@ -100,5 +100,3 @@ def test_two_free_blocks_in_contact_have_nine_rigid_motions(backend, mu):
     assert {cell["verdict"] for cell in cells[:9]} == {"rigid"}
     assert {cell["damping_ratio"] for cell in cells[:9]} == {"-"}
     assert cells[9]["verdict"] == "stable"
-    assert result.title(8).endswith("mode 9: rigid motion")
-    assert "mode 10: 0." in result.title(9)

@@ -4,12 +4,10 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import assemble, coarse, two_blocks
 from covering import covering
-from petsc_matrices import dense_pencil, to_numpy, to_petsc
+from petsc_matrices import dense_pencil, to_numpy
 
-from cea.eigen.coefficients import Coefficient
-from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
 from scenes.spec.plain import set_fields
 
@@ -30,7 +28,7 @@ DAMPING = {"alpha": 0.3, "beta": 0.07}
 def scene(backend, **contact):
     """Two blocks that slide, one of them damped and on springs."""
     sliding = {"pressure": 3.0, "speed": 0.5, "mu_slope": -0.2}
-    data = two_blocks(backend, GPTS, held=True, sliding=sliding, max_missed=0.9, **contact)
+    data = coarse(two_blocks(backend, GPTS, held=True, sliding=sliding, max_missed=0.9, **contact))
     springs = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
     data["bodies"]["upper"] |= {"springs": springs, "damping": DAMPING}
     return data
@@ -65,7 +63,7 @@ def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(
 
 
 def test_two_contacts_have_their_own_friction(backend):
-    data = two_blocks(backend, GPTS, mu=0.4)
+    data = coarse(two_blocks(backend, GPTS, mu=0.4))
     data["contacts"]["again"] = data["contacts"]["interface"] | {"mu": 0.2, "P": 7.0}
     pencil = assemble(data, together=False).pencil()
     one, both = (to_numpy(pencil.at({"contacts.again.mu": mu}).unsymmetric) for mu in (0.0, 0.8))
@@ -75,10 +73,15 @@ def test_two_contacts_have_their_own_friction(backend):
 
 
 def test_friction_that_varies_is_changed_by_a_factor(backend):
-    system = assemble(two_blocks(backend, GPTS, mu="0.3 + 0.1*x"))
+    system = assemble(coarse(two_blocks(backend, GPTS, mu="0.3 + 0.1*x")))
     assert system.pencil().parameter("contacts.interface.mu").value == 1.0
     twice = system.pencil().at({"contacts.interface.mu": 2.0}).unsymmetric
     assert (to_numpy(twice) == -2 * to_numpy(system.contacts[0].K_f)).all()
+
+
+@pytest.fixture(scope="module")
+def pencil():
+    return assemble(scene("iga")).pencil()
 
 
 @pytest.mark.parametrize(
@@ -92,11 +95,6 @@ def test_friction_that_varies_is_changed_by_a_factor(backend):
         ("bodies.upper.material.E", float("inf"), "finite"),
     ],
 )
-def test_parameters_that_cannot_be_are_refused(name, value, told):
+def test_parameters_that_cannot_be_are_refused(name, value, told, pencil):
     with pytest.raises(InputError, match=told):
-        assemble(scene("iga")).pencil().at({name: value})
-
-
-def test_a_coefficient_must_name_parameters_that_are_there():
-    with pytest.raises(InputError, match="Omega"):
-        Pencil([Term("stiffness", to_petsc(np.eye(2)), Coefficient({"Omega": (1.0, 2.0)}))])
+        pencil.at({name: value})

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bodies import PLASTIC, lagrange_body, nurbs_body
+from bodies import FLAT, PLASTIC, ROUND, SPACE, body_of, lagrange_body, nurbs_body
 from iga_data import TURNED, basis_on_grid, body, turned
-from lagrange_bodies import FLAT, ROUND, SPACE, body_of
 from petsc_matrices import to_scipy
 
 from cea.errors import InputError
@@ -78,7 +77,7 @@ PAIRS = {
     "rough": lambda: refined(PLATE, ((2, 3), (1, 3), (0, 1)), ((4, 3), (3, 4), (0, 0))),
     "high": lambda: refined(PLATE, ((2, 3), (2, 3), None), ((2, 3), (7, 8), (1, 2))),
     "disc": lambda: refined(
-        Disc(1.7, -0.1, 0.2), ((2, 8, 1), (2, 2, 2), None), ((4, 8, 2), (3, 3, 2), (1, 1, 1))
+        Disc(1.7, -0.1, 0.2), ((1, 8, 1), (2, 2, 2), None), ((2, 16, 2), (3, 3, 2), (1, 1, 1))
     ),
     "hub": lambda: refined(HUB, ((2, 4, 2), (2, 2, 1), None), ((2, 4, 4), (2, 3, 1), (1, 1, 0))),
     "odd": odd,

@@ -9,7 +9,6 @@ from random_pencils import (
     POWERS,
     pencil_of,
     random_graded,
-    random_graded_damped,
     random_linear,
     random_low_rank,
     random_quadratic,
@@ -27,7 +26,7 @@ PENCILS = {
     "quadratic": random_quadratic,
     "low_rank": random_low_rank,
     "graded": random_graded,
-    "graded_damped": random_graded_damped,
+    "graded_damped": partial(random_graded, damped=True),
 }
 
 
@@ -47,7 +46,7 @@ slow = partial(pytest.param, marks=pytest.mark.slow)
 @pytest.mark.parametrize(
     ("kind", "seeds"),
     [
-        ("linear", range(12)),
+        ("linear", range(4)),
         ("linear", (556,)),  # where the faster driver of singular values fails
         ("quadratic", range(12)),
         ("quadratic", (226, 496, 939)),  # lambda of free motions is zero to the last digit
@@ -68,9 +67,9 @@ def test_lapack_tells_all_of_small_ones(kind, seeds):
 @pytest.mark.parametrize(
     ("kind", "seeds"),
     [
-        ("linear", (19, 27, 32, 47, 59, 109, 410, 516)),  # more copies than a block has columns
-        ("quadratic", range(6)),
-        slow("linear", range(300)),
+        ("linear", (19, 59)),  # more copies than a block has columns
+        ("quadratic", range(4)),
+        slow("linear", (*range(300), 410, 516)),
         slow("quadratic", range(300)),
         slow("low_rank", range(150)),
     ],
@@ -84,7 +83,7 @@ def test_krylov_spaces_find_all_of_them_too(kind, seeds, monkeypatch):
 def test_what_no_scaling_mends_is_owned_to():
     """Eigenvalues are whole numbers, and known to what the result says, or it is refused."""
     known = 0
-    for seed in range(60):
+    for seed in range(30):
         matrix, kappa = sheared(seed)
         try:
             pencil = pencil_of(np.eye(len(matrix)), None, matrix, graded=True)
@@ -96,11 +95,11 @@ def test_what_no_scaling_mends_is_owned_to():
         assert (error <= modes.growth_uncertainties + 1e-14).all()
         assert "unstable" not in modes.verdicts()
         known += 1
-    assert known > 30
+    assert known > 15
 
 
 PROBLEMS = {f"{seed} {power}": random_graded(seed, power) for power in POWERS for seed in (0, 1)}
-PROBLEMS |= {"damped": random_graded_damped(1, 20), "low rank": random_low_rank(3)}
+PROBLEMS |= {"damped": random_graded(1, 20, damped=True), "low rank": random_low_rank(3)}
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
@@ -108,6 +107,7 @@ def test_eigenvectors_are_those_of_the_unknowns_as_given(name):
     problem = PROBLEMS[name]
     modes = solve_modes(problem.pencil(), problem.max_frequency, left=True)
     assert len(modes)
+    assert (np.diff(modes.frequencies) >= 0).all()
     K, M = problem.scaled(problem.stiffness), problem.scaled(problem.mass)
     D = 0 * M if problem.damping is None else problem.scaled(problem.damping)
     if problem.low_rank is not None:

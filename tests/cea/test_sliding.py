@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS, PLACEMENTS, assemble, two_blocks
+from blocks import FORMULATIONS, PLACEMENTS, assemble, coarse, two_blocks
 from covering import covering
 from petsc_matrices import to_numpy
 
@@ -16,7 +16,8 @@ GPTS = {"method": "gpts", "points": 2}
 
 def scene(backend, formulation, *, placement=None, mu=MU, **contact):
     sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
-    return two_blocks(backend, formulation, placement, mu=mu, **{"sliding": sliding} | contact)
+    fields = {"mu": mu, "sliding": sliding} | contact
+    return coarse(two_blocks(backend, formulation, placement, **fields), degree=2)
 
 
 def damping(data):

@@ -6,15 +6,12 @@ from blocks import ROTATED, alone, scene_body
 from covering import covering
 from motions import control_points
 from petsc_matrices import gather, to_scipy
-from scipy.sparse import csr_array
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.supports.directions import Directions
-from cea.supports.elimination import ProjectedConstraints, constrain
 from cea.timing import StageTimer
 from meshes.placement import Placement
 from scenes.building.build import build_bodies
@@ -48,15 +45,6 @@ def eigenvalues(body, max_frequency):
     return modes.eigenvalues.imag**2
 
 
-@pytest.mark.parametrize("last", [[1.0, 0, 0, 1.0, 0, 0], [1.0, 0, 0, 1.0 + 1e-9, 0.5, 0]])
-def test_rows_that_cannot_be_solved_for_their_anchors_are_refused(last):
-    anchors = Directions.of(np.array([0, 1]), np.eye(3)[[0, 0]])
-    rows = csr_array(np.array([[1.0, 0, 0, 1.0, 0, 0], last]))
-    shares = ProjectedConstraints(anchors, {0: rows}, np.zeros(2))
-    with pytest.raises(InputError, match="supports of the pad"):
-        constrain(2, Directions.joined([], 3), shares, field="supports of the pad")
-
-
 SIDES = [("start", "y"), ("end", "x"), ("bottom", "z")]
 TURNED = {
     "corner of a box": (
@@ -77,6 +65,7 @@ TURNED = {
 }
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("case", TURNED)
 def test_flat_faces_of_turned_bodies_are_held_as_upright_ones(backend, case):
     """Faces held in every direction, edges and a corner where rollers meet at right angles."""
@@ -94,33 +83,25 @@ def test_flat_faces_of_turned_bodies_are_held_as_upright_ones(backend, case):
 
 
 def test_one_of_two_directions_is_not_held_at_an_axis(backend):
-    frame = ABOUT_Z | {"origin": [1.0, 0.0, 0.0]}
+    frame = ABOUT_Z | {"origin": [1.2, 0.0, 0.0]}
     with pytest.raises(InputError, match=r"components.*both or neither"):
-        _ = build(backend, RING, on(["top"], "radial", **frame), [2, 8, 1]).expansion
+        _ = build(backend, RING, on(["top"], "radial", **frame), [1, 16, 1]).expansion
 
 
-@pytest.mark.parametrize(
-    ("backend", "held"),
-    covering(
-        ["iga", "fe"],
-        [("radial", None), ("radial", ROTATED), ("normal", ROTATED)],
-        strength=1,
-    ),
-)
-def test_ring_between_rollers_turns_and_slides_freely(backend, held):
+@pytest.mark.grid
+@pytest.mark.parametrize("component", ["radial", "normal"])
+def test_ring_between_rollers_turns_and_slides_freely(backend, component):
     """Two zero eigenvalues and no more; the rotation satisfies every constraint exactly."""
-    component, placement = held
-    frame = (ABOUT_PLACED if placement else ABOUT_Z) if component == "radial" else {}
+    frame = ABOUT_PLACED if component == "radial" else {}
     rims = on(("inner", "outer"), component, **frame)
-    part = build(backend, RING, rims, [2, 12, 1], placement=placement)
+    part = build(backend, RING, rims, [2, 12, 1], placement=ROTATED)
     kappa = eigenvalues(part, 0.25)
     assert np.abs(kappa[:2]).max() < 1e-12
     assert kappa[2] == pytest.approx(5.55e-3, rel=0.01)  # the ring tilts between its rims
 
     Z, K = to_scipy(part.expansion).toarray(), to_scipy(part.stiffness())
-    place = PLACED if placement else Placement()
-    axis, control = place.rotation[:, 2], control_points(part)
-    around = np.cross(axis, control - np.asarray(place.translation))
+    axis, control = PLACED.rotation[:, 2], control_points(part)
+    around = np.cross(axis, control - np.asarray(PLACED.translation))
     for motion in (around, np.broadcast_to(axis, control.shape)):
         v, *_ = np.linalg.lstsq(Z, motion.ravel(), rcond=None)
         assert np.abs(Z @ v - motion.ravel()).max() < 1e-12

@@ -8,17 +8,17 @@ import gmsh
 import numpy as np
 import pytest
 import ufl
-from bodies import dolfinx_body, lagrange_body
+from bodies import FLAT, dolfinx_body, lagrange_body
+from bodies import PLASTIC as MATERIAL
 from covering import covering
 from dolfinx.fem.petsc import assemble_matrix
-from lagrange_bodies import DIMENSION, FLAT, MATERIAL
 from mpi4py import MPI
 from petsc_matrices import to_numpy
 
 import cea.body.body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.mesh import Mesh
+from cea.mesh import DIMENSION, Mesh
 from cea.supports.boundary import Spring, Support
 from cea.timing import StageTimer
 from fe_cea.cell_location import Cells

@@ -1,16 +1,16 @@
 """Lagrange bodies of every cell, degree 1 to 4, in space and in the plane, on curved meshes."""
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
-from bodies import lagrange_body, shape_body
-from lagrange_bodies import DIMENSION, FLAT, MATERIAL, ROUND, body_of
+from bodies import FLAT, ROUND, body_of, lagrange_body, shape_body
+from bodies import PLASTIC as MATERIAL
 from scipy.sparse.linalg import spsolve
 
 from cea.location import Chart
-from cea.surface_points import SurfaceCoordinates
+from cea.mesh import DIMENSION
+from cea.surface_points import Status, SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
@@ -106,9 +106,6 @@ def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell, mesh):
         np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)
 
 
-BOX = Box((0.2, 0.2, 0.1))
-
-
 def surface_of(mesh, name, **options):
     body = lagrange_body("part", mesh, degree=mesh.order, material=MATERIAL, **options)
     return body.surfaces[name]
@@ -137,11 +134,40 @@ def test_of_facets_it_bounds_their_distance(order):
     assert (known.geometry_error(points.at) == 0).all()
 
 
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-@pytest.mark.parametrize("order", [1, 2])
-def test_of_flat_faces_and_at_edges_of_bodies_it_is_zero(cell, order):
-    """Also of a surface that goes round an edge of a box."""
-    mesh = meshed(BOX, cell, order, (3, 3, 2))
-    both = np.concatenate([mesh.surfaces["x_max"], mesh.surfaces["z_max"]])
-    found = estimate(replace(mesh, surfaces={"both": both}), "both")
-    assert found.max() < 1e-15
+SHAPE = np.array([9, 7])
+"""Elements of the surface z = 0, which are squares."""
+STEP = 0.3
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def plane():
+    """The surface, and the numbers of its elements by their place."""
+    plate = Box((*(STEP * SHAPE), 0.2), (0.0, 0.0, -0.2))
+    surface = shape_body(plate, "hexahedron", 2, (*SHAPE.tolist(), 1)).surfaces["z_max"]
+    middles = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in SHAPE), indexing="ij"), axis=-1)
+    element = located(surface, middles.reshape(-1, 2), np.zeros(SHAPE.prod())).at.element
+    return surface, element.reshape(SHAPE)
+
+
+def located(surface, place, distance):
+    """Points at distances above places on the surface."""
+    x = np.column_stack([STEP * place, -distance])
+    return surface.locate(x, np.tile(UP, (len(x), 1)), reach=0.06)
+
+
+def test_shared_edges_and_corners_go_to_the_lowest_element():
+    """Whatever the order of points, and with rounding either way."""
+    surface, numbers = plane()
+    rng = np.random.default_rng(6)
+    lines = rng.integers(1, SHAPE, (3000, 2))
+    on_line = np.repeat([[True, False], [False, True], [True, True]], 1000, axis=0)
+    place = np.where(on_line, lines, lines + rng.uniform(0.1, 0.9, (3000, 2)))
+    distance = rng.uniform(-0.05, 0.05, len(place))
+    found = located(surface, place, distance)
+    assert (found.status == Status.EDGE).all()
+    sharing = [numbers[*(lines - on_line * [i, j]).T] for i in (0, 1) for j in (0, 1)]
+    np.testing.assert_array_equal(found.at.element, np.min(sharing, axis=0))
+    np.testing.assert_allclose(found.distance, distance, atol=1e-9)
+    order = rng.permutation(3000)
+    again = located(surface, place[order], distance[order])
+    np.testing.assert_array_equal(again.at.element, found.at.element[order])

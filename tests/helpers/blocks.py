@@ -90,11 +90,12 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
     }
 
 
-def coarse(scene):
-    """A scene of two blocks with as few elements as do not match."""
+def coarse(scene, degree=1):
+    """A scene of two blocks with as few elements as do not match, on meshes of a degree."""
     for name, elements in (("upper", [2, 2, 1]), ("lower", [3, 3, 1])):
-        for mesh in scene["bodies"][name]["mesh"].values():
-            mesh["elements"] = elements
+        mesh = scene["bodies"][name]["mesh"]
+        mesh["fe"] |= {"elements": elements, "degree": degree}
+        mesh["iga"]["elements"] = elements
     return scene
 
 

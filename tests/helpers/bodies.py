@@ -2,6 +2,7 @@
 
 from cea.body import Body
 from cea.material import IsotropicMaterial
+from cea.mesh import DIMENSION
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from fe_cea import LagrangeSpace
@@ -10,9 +11,14 @@ from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Annulus, Box, Rectangle, Ring
 
 PLASTIC = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 PLAIN = Placement()
+SPACE = Placement(axis=(1.0, 2.0, -0.5), angle=37.0, translation=(0.3, -0.2, 0.7))
+PLANE = Placement(angle=37.0, translation=(0.3, -0.2, 0.0))
+ROUND = {3: Annulus(0.5, 1.0, 0.0, 0.3), 2: Ring(0.5, 1.0)}
+FLAT = {3: Box((1.0, 0.8, 0.5)), 2: Rectangle((1.0, 0.8))}
 
 _OF_SPACES = ("degree", "continuity", "mass_quadrature", "true_surfaces", "comm")
 
@@ -54,3 +60,11 @@ def shape_body(shape, cell, degree, mesh, *, order=None, placement=PLAIN, **opti
         lambda: shape_mesh(shape, cell, order or degree, placement=placement, **given),
     )
     return lagrange_body("part", made, degree=degree, **options)
+
+
+def body_of(shapes, cell, degree, *, order=None, elements=(1, 8, 1), **options):
+    """Turned body of cells of a kind, of the shape of its dimension."""
+    dim = DIMENSION[cell]
+    mesh = elements[:dim] if cell in ("hexahedron", "quadrilateral") else 0.6
+    placement = SPACE if dim == 3 else PLANE
+    return shape_body(shapes[dim], cell, degree, mesh, order=order, placement=placement, **options)

@@ -35,21 +35,11 @@ class UnsureError(Exception):
 
 @dataclass(frozen=True)
 class Dense:
-    """All finite eigenvalues kappa = -lambda^2 of K x = kappa M x.
-
-    Parameters
-    ----------
-    kappa
-        Eigenvalues (1/s^2), shape (n,).
-    error
-        What rounding may move each by: that of LAPACK, and that of the entries of the matrices.
-    symmetric
-        Whether there is no friction; eigenvalues are then real.
-    """
+    """All finite eigenvalues kappa = -lambda^2 of K x = kappa M x (1/s^2), shape (n,)."""
 
     kappa: np.ndarray
-    error: np.ndarray
-    symmetric: bool
+    error: np.ndarray  # what rounding moves each by, in LAPACK and in entries of the matrices
+    symmetric: bool  # there is no friction: eigenvalues are real
 
 
 def lambda_of(kappa):
@@ -84,19 +74,9 @@ class _Problem:
 
 
 def dense_eigenvalues(matrices, top: float) -> Dense:
-    """Dense eigenvalues of the matrices of a pencil.
+    """Dense eigenvalues of matrices on one rank, those about as large as ``top`` the best.
 
-    Parameters
-    ----------
-    matrices
-        :class:`cea.eigen.pencil.Matrices`, on one rank.
-    top
-        Upper end of the window in kappa (1/s^2): eigenvalues about as large are kept accurate.
-
-    Raises
-    ------
-    UnsureError
-        When rounding leaves too little of them.
+    ``UnsureError`` is raised where rounding leaves too little of them.
     """
     problem = _problem(matrices)
     finite = len(problem.K) - problem.tied

@@ -1,6 +1,6 @@
 """Two blocks pressed together by a load, one sliding on the other, as plain data."""
 
-from blocks import assemble, two_blocks
+from blocks import two_blocks
 
 PRESSURE, AREA = 1e-3, 0.3
 SOFT = 10.0
@@ -21,8 +21,3 @@ def pressed_blocks(backend, formulation, *, kind="cea", mu=0.1, pressure=PRESSUR
     if kind == "static":
         data["analysis"] = {"kind": "static", "samples": 5}
     return data
-
-
-def coupled_blocks(*arguments, **options):
-    """The system of :func:`pressed_blocks`, before steady sliding is sought."""
-    return assemble(pressed_blocks(*arguments, **options))

@@ -236,7 +236,10 @@ _KINDS = ("similar", "two-sided", "congruent", "two units", "near defective", "b
 
 
 def random_graded(seed: int, power: int | None = None, *, damped: bool = False) -> RandomPencil:
-    """A graded pencil of 4 to 60 unknowns, of a largest power of two, or one that is drawn."""
+    """A graded pencil of 4 to 60 unknowns, of a largest power of two, or one that is drawn.
+
+    With damping or rotation where it is damped.
+    """
     rng, kind = np.random.default_rng([seed, 8 if damped else 7]), _KINDS[seed % (6 - damped)]
     drawn = int(rng.choice(POWERS))
     power = drawn if power is None else power
@@ -264,11 +267,6 @@ def random_graded(seed: int, power: int | None = None, *, damped: bool = False) 
     end = float(rng.uniform(0.6, 1.6) / (2 * np.pi))
     D, name = _damping(rng, n) if damped else None, f"graded {seed}: {kind}, 2^{power}"
     return RandomPencil(name, M, A, D, end, scales=(left, right))
-
-
-def random_graded_damped(seed: int, power: int | None = None) -> RandomPencil:
-    """The same with damping or rotation."""
-    return random_graded(seed, power, damped=True)
 
 
 def _powers(rng, n, power) -> np.ndarray:

@@ -26,14 +26,9 @@ _SAFETY = 10.0
 
 
 def judge(modes, dense, threshold=None):
-    """Faults of modes of an undamped pencil.
+    """Faults of modes of an undamped pencil, given all eigenvalues kappa there are.
 
-    Parameters
-    ----------
-    modes, dense
-        What was found, and all eigenvalues kappa = -lambda^2 there are.
-    threshold
-        Growth rate above which modes are unstable (1/s); None is relative to lambda.
+    Modes are unstable above a threshold of growth (1/s), by default relative to lambda.
     """
     window, found = modes.window, modes.eigenvalues
     top, own = 2 * np.pi * window.max_frequency, _SAFETY * modes.growth_uncertainties

@@ -17,9 +17,10 @@ MESHES = {
 }
 
 
-def sine_blocks(backend, *more, degree=2, finer=1):
+def sine_blocks(backend, *more, degree=2, finer=1, elements=None):
     """Changes of the blocks: friction that flutters at mu0 below one, meshes coarse or finer."""
-    meshes = {name: [finer * n for n in each] for name, each in MESHES[backend].items()}
+    meshes = elements or MESHES[backend]
+    meshes = {name: [finer * n for n in each] for name, each in meshes.items()}
     return (
         "contacts.interface.mu='sin(pi*x/2)'",
         *(f"bodies.{name}.backend='{backend}'" for name in meshes),

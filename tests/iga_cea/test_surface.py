@@ -18,7 +18,7 @@ SECTOR = Sector(INNER, OUTER, START, END, BOTTOM, TOP)
 BOX = Box((2.0, 1.0, 0.5), (0.1, 0.2, 0.3))
 
 
-def body(shape, elements=(2, 8, 2), degree=(2, 3, 2), placement=TILTED):
+def body(shape, elements=(1, 16, 2), degree=(2, 3, 2), placement=TILTED):
     return shape_body(shape, None, degree, elements, placement=placement)
 
 
@@ -94,9 +94,24 @@ def test_oblique_lines_meet_a_cylinder_where_they_should():
     direction *= (rng.choice([-1, 1], count) / np.linalg.norm(direction, axis=1))[:, None]
     reach = 0.5 * radius
     exact = nearest_root(x, direction, radius, low, high, reach)
-    surface = body(ANNULUS, (2, 16, 3)).surfaces["inner"]
+    surface = body(ANNULUS, (1, 16, 3)).surfaces["inner"]
     found = surface.locate(TILTED.apply(x), direction @ TILTED.rotation.T, reach)
     hit = ~np.isnan(exact)
     assert 0.4 * count < hit.sum() < 0.9 * count
     np.testing.assert_array_equal(found.missed, ~hit)
     assert np.abs(found.distance[hit] - exact[hit]).max() < 1e-8
+
+
+@pytest.mark.parametrize("height", [0.001, 0.02, -0.02, -0.03, -0.049, -0.06])
+def test_the_nearer_side_of_a_plate_is_met(height):
+    """Whether it lies close by, or as far as both are looked for."""
+    plate = Box((2.7, 2.1, 0.05), (0.0, 0.0, -0.05))
+    patches, faces = nurbs_shape(plate, breaks_of(plate, (9, 7, 1))).patches, [(0, 2, 0), (0, 2, 1)]
+    body = nurbs_body("plate", patches, {"both": faces}, (2, 2, 2), material=PLASTIC)
+    surface = body.surfaces["both"]
+    x = np.full((500, 3), height)
+    x[:, :2] = np.random.default_rng(3).uniform((0.1, 0.1), (2.6, 2.0), (500, 2))
+    found = surface.locate(x, np.tile([0.0, 0.0, 1.0], (500, 1)), reach=0.2)
+    assert not found.missed.any()
+    nearest = min((-height, -0.05 - height), key=abs)
+    np.testing.assert_allclose(found.distance, nearest, atol=1e-12)
