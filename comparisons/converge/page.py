@@ -65,7 +65,7 @@ LEVELS = Table(
     COLUMNS,
 )
 SECTIONS = [
-    Section("Modes", headline=lambda data: f"{data['first']} {data['words']}", tables=[MODES]),
+    Section("Modes", headline=lambda data: f"{data['first']}; {data['words']}", tables=[MODES]),
     Section("Warnings", tables=[Table("warnings", "Warnings about the result.", warned)]),
     Section("Meshes", tables=[LEVELS]),
     Section("Machine and versions", tables=[Table("machine", "", machine)]),
