@@ -73,27 +73,15 @@ def test_stored_numbers_are_as_the_paper_says():
     assert runs["points"].tolist() == [104, 100]
 
 
-DIFFERENCES = ("distance", "shift", "shift_below_13k", "shift_above_13k", "largest_shift")
-"""Columns of relative differences of eigenvalues; those of soft contact are rounded by 3e-10."""
-SLOPES = 2e-6
-"""Rounding of slopes of errors that are nearly rounding."""
-
-
 def assert_same_rows(found, expected):
     """Equal words; numbers to 1e-8 of the largest of their column, but rounding and times."""
     found, expected = pd.DataFrame(found), pd.DataFrame(expected)
     assert list(found) == list(expected)
-    rounding = dict.fromkeys(DIFFERENCES, 3e-10)
-    if "explained" in expected:  # a ratio of shifts
-        rounding["explained"] = 2e-11 / expected["largest_shift"].item()
-    if "what" in expected and expected["what"].str.startswith("slope, ").all():
-        rounding["ours"] = SLOPES
     for name in set(expected) - {"residual", "condition", "seconds", "search_over"}:
         if expected[name].dtype.kind == "f" or name in ("disc", "pad"):
             same = (frame[name].to_numpy(dtype=float) for frame in (found, expected))
             scale = np.nanmax(np.abs(expected[name].to_numpy(dtype=float)))
-            atol = 1e-8 * scale + rounding.get(name, 1e-14)
-            np.testing.assert_allclose(*same, rtol=0, atol=atol, err_msg=name)
+            np.testing.assert_allclose(*same, rtol=0, atol=1e-8 * scale + 1e-14, err_msg=name)
         else:
             assert list(found[name]) == list(expected[name]), name
 
