@@ -37,7 +37,6 @@ class Constraints:
     """Constraints of the supports of a body, and the expansion from its free unknowns."""
 
     dim: int  # dimension of space
-    num_scalar_dofs: int  # scalar dofs of the body
     dofs: Ints  # constrained scalar dofs, increasing, shape (m,)
     removed: Ints  # number of unknowns eliminated at each of them, shape (m,)
     # their displacement components from the free unknowns, shape (dim * m, free unknowns)

@@ -17,7 +17,7 @@ from cea.contact.contact import Contact
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.pencil import Matrices, Term
 from cea.material import Elasticity
-from cea.matrices import absolute, applied, destroy, scaled_total
+from cea.matrices import applied, destroy, diagonal_of, of_entries, scaled_total
 from cea.petsc import MPI, Mat, PETSc
 from cea.system.body_terms import BodyTerms
 
@@ -114,12 +114,12 @@ def _restricted(matrices: Matrices, whole: Matrices) -> Matrices | None:
     M, forces, friction = matrices.mass, matrices.multipliers, matrices.unsymmetric
     inside = np.zeros(M.getLocalSize()[0], dtype=bool)
     for part, total in ((matrices.stiffness, whole.stiffness), (M, whole.mass)):
-        inside |= _diagonal(part) > _INSIDE * _diagonal(total)
+        inside |= diagonal_of(part) > _INSIDE * diagonal_of(total)
     if _acts_on(matrices, np.where(inside, 0.0, 1.0)):
         return None
     M.scale(1 - _REMOVED)
     diagonal = M.getDiagonal()
-    diagonal.array[:] += _LUMPED * _diagonal(whole.mass)
+    diagonal.array[:] += _LUMPED * diagonal_of(whole.mass)
     M.setDiagonal(diagonal)
     M.assemble()
     dofs = _index_set(inside, M)
@@ -136,7 +136,7 @@ def _acts_on(matrices: Matrices, dofs: Floats) -> bool:
     acts = False
     for each in (friction, *((forces.closure, forces.reaction) if forces else ())):
         if each is not None:
-            sizes = absolute(each)
+            sizes = of_entries(np.abs, each)
             acts |= bool(applied(sizes, dofs).any())
             if each is friction:
                 acts |= bool(applied(sizes, dofs, transposed=True).any())
@@ -153,14 +153,6 @@ def _of_columns(forces: Multipliers, dofs: Any) -> Multipliers:
     destroy(rows)
     border = forces.border and forces.border.copy()
     return Multipliers(closure, reaction, forces.compliance.copy(), border, forces.tied)
-
-
-def _diagonal(matrix: Mat) -> Floats:
-    """Return the diagonal, the rows of this rank."""
-    vector = matrix.getDiagonal()
-    values: Floats = np.array(vector.array_r, dtype=float)
-    destroy(vector)
-    return values
 
 
 def _index_set(chosen: Any, matrix: Mat) -> Any:
