@@ -26,7 +26,6 @@ from cea.system.steady_state import (
     ContactState,
     LoadStep,
     SteadySliding,
-    StepState,
     contact_state,
     uniqueness_at,
 )
@@ -107,8 +106,8 @@ class _Path:
                 done, state = factor, run.state
                 part = min(_GROWS * part, whole)
                 if self._history:
-                    x = self._equations.vector(state.x)
-                    run.step.state = StepState(x, self._contact_states(state))
+                    run.step.displacement = self._equations.vector(state.x)
+                    run.step.contacts = self._contact_states(state)
                 path.append(run.step)
                 continue
             part *= 0.5

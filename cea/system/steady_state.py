@@ -43,14 +43,6 @@ class ContactState:
         return self.closed_area / self.area
 
 
-@dataclass(frozen=True)
-class StepState:
-    """Equilibrium at a load factor."""
-
-    displacement: Vec  # free displacements (m), PETSc vector
-    contacts: Mapping[str, ContactState]  # state of each half pass with a law, by its name
-
-
 @dataclass
 class LoadStep:
     """A load step, with the history of Newton's method."""
@@ -63,7 +55,10 @@ class LoadStep:
     # whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
     # None if it is symmetric, or unknown
     parity: int | None = None
-    state: StepState | None = None  # the equilibrium; None if the history was not requested
+    # the equilibrium, if the history was requested: free displacements (m), PETSc vector, and the
+    # state of each half pass with a law, by its name
+    displacement: Vec | None = None
+    contacts: Mapping[str, ContactState] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -83,11 +78,6 @@ class Uniqueness:
         """Whether the determinant has, at any load factor, another sign than without friction."""
         return 1 in (self.parity, *self.parities.values())
 
-    @property
-    def near(self) -> bool:
-        """Whether the tangent is nearly singular."""
-        return self.margin < _NEAR
-
     def warnings(self) -> tuple[ResultWarning, ...]:
         """Return warnings of lost, or nearly lost, uniqueness."""
         if self.lost:
@@ -96,7 +86,7 @@ class Uniqueness:
                 "the determinant of the tangent has another sign than without friction: the "
                 "equilibrium is unstable or there are others"
             )
-        elif self.near:
+        elif self.margin < _NEAR:
             kind = "nearly-not-unique"
             message = (
                 f"the tangent is nearly singular ({self.margin:.1e} of that without friction): "
