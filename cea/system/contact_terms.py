@@ -142,9 +142,10 @@ def with_forms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> tuple
 
 
 def penalty_warnings(
-    contacts: Sequence[Contact], digits: Mapping[str, float]
+    bodies: Mapping[str, Body], contacts: Sequence[Contact], values: Mapping[str, float]
 ) -> tuple[ResultWarning, ...]:
     """Return a warning for each contact whose penalty form loses too many digits."""
+    digits = penalty_digits(bodies, contacts, values)
     costly = {c.pair: digits[c.pair] for c in contacts if not c.has_multipliers}
     return tuple(
         ResultWarning(

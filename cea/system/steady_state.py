@@ -122,15 +122,15 @@ class SteadySliding:
 
 def contact_state(contact: Contact, closure: Floats) -> ContactState:
     """Return the contact state of a half pass at closures of all its points (m), shape (n,)."""
-    points, friction_law = contact.interface.points, contact.friction
+    points = contact.interface.points
     pressure = contact.law.pressure(closure)
     weighted = points.weight * pressure
     force = -(weighted @ points.normal)
     friction = 0.0
-    if friction_law is not None and friction_law.acts:
-        tangential = weighted * friction_law.mu
+    if contact.friction is not None and contact.has_friction:
+        tangential = weighted * contact.friction.mu
         friction = float(tangential.sum())
-        force = force + tangential @ friction_law.along(points.x, points.normal)
+        force = force + tangential @ contact.friction.along(points.x, points.normal)
     return ContactState(
         closure=closure,
         pressure=pressure,
