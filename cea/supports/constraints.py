@@ -53,9 +53,8 @@ class Constraints:
         parts = np.zeros((supports, *force.shape))
         if self.shares:
             every = csr_array(sum(self.shares.values()))
-            multipliers = lsqr(every.T, force.ravel(), atol=_ROUNDING, btol=_ROUNDING, conlim=0.0)[
-                0
-            ]
+            exactly = {"atol": _ROUNDING, "btol": _ROUNDING, "conlim": 0.0}
+            multipliers = lsqr(every.T, force.ravel(), **exactly)[0]
             for support, rows in self.shares.items():
                 parts[support] = (rows.T @ multipliers).reshape(force.shape)
         return parts

@@ -16,7 +16,6 @@ from cea.arrays import Floats
 from cea.contact.contact import Contact
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.pencil import Matrices, Term
-from cea.material import Elasticity
 from cea.matrices import applied, destroy, diagonal_of, of_entries, scaled_total
 from cea.petsc import MPI, Mat, PETSc
 from cea.system.body_terms import BodyTerms
@@ -46,22 +45,6 @@ class FarPoints:
             nearest, _ = self.contact_points.query(x.T, distance_upper_bound=self.distance)
             self._last = (x, np.isinf(nearest).astype(float))
         return self._last[1]
-
-
-@dataclass(frozen=True, eq=False)
-class FarElasticity(Elasticity):
-    """An elastic law without stiffness near contacts."""
-
-    far: FarPoints = field(kw_only=True)
-
-    @property
-    def varies(self) -> bool:
-        """True: the elasticity tensor varies in space."""
-        return True
-
-    def stress(self, gradient: Floats, x: Floats) -> Floats:
-        """Return the stress, zero near contacts (:meth:`cea.material.Elasticity.stress`)."""
-        return Elasticity(self.matrix, self.axes).stress(gradient, x) * self.far(x)
 
 
 def near_contacts(
@@ -98,8 +81,7 @@ def near_contacts(
 
 def _far_terms(piece: BodyTerms, far: FarPoints) -> Iterator[Term]:
     law, density = piece.body.material.elasticity, piece.body.density
-    far_law = FarElasticity(law.matrix, law.axes, far=far)
-    return piece.integrals(far_law, lambda x: density * far(x))
+    return piece.integrals(replace(law, factor=far), lambda x: density * far(x))
 
 
 def _part(term: Term, values: Mapping[str, float]) -> tuple[float, Mat]:

@@ -143,7 +143,6 @@ def test_beyond_the_limit_the_determinant_has_changed_its_sign(backend, factor, 
     tangent = problem.tangent(problem.slopes(closed))
     found = uniqueness_at(tangent, Shifted(tangent), {1.0: None}, unstable=False)
     free_tangent(tangent)
-    problem.free()
     assert (found.parity, found.lost) == (int(lost), lost)
     assert [warning.kind for warning in found.warnings()] == ["not-unique"] * lost
 
