@@ -7,7 +7,7 @@ Damping that rotates with its body adds circulatory terms to the stiffness (:mod
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,6 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.body.space import Density
 from cea.eigen.block_products import times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.pencil import Role, Term
@@ -191,12 +190,13 @@ class BodyTerms:
                 factor = {"mass": "alpha", "stiffness": "beta"}[role]
                 yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
 
-    def integrals(self, elasticity: Elasticity, density: Density) -> Iterator[Term]:
-        """Yield K and M of another elastic law and density."""
-        space, reduced = self.body.space, self.body.reduced
+    def weighted(self, factor: Callable[[Floats], Floats]) -> Iterator[Term]:
+        """Yield K and M whose integrands are multiplied by a factor, (dim, n) to (n,)."""
+        space, reduced, rho = self.body.space, self.body.reduced, self.body.density
+        law = replace(self.body.material.elasticity, factor=factor)
         parts: list[tuple[Role, Mat, Coefficient]] = [
-            ("stiffness", reduced(space.stiffness(elasticity)), self._stiffness),
-            ("mass", reduced(space.mass(density)), self._mass),
+            ("stiffness", reduced(space.stiffness(law)), self._stiffness),
+            ("mass", reduced(space.mass(lambda x: rho * factor(x))), self._mass),
         ]
         for role, own, coefficient in parts:
             whole = self.placed(own)

@@ -5,7 +5,7 @@ than a distance from every contact point the rest bounds them from below, and ha
 dofs: a bound by the field of values costs a small factorisation (:mod:`cea.eigen.field_of_values`).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -68,7 +68,7 @@ def near_contacts(
     distances = np.concatenate([points.query(x)[0] for x in positions if x is not None])
     # Rounding must not decide about points as far away as the dof at the quantile.
     far = FarPoints(points, (1 + _ASIDE) * float(np.quantile(distances, _NEAR)))
-    terms = [term for piece in pieces.values() for term in _far_terms(piece, far)]
+    terms = [term for piece in pieces.values() for term in piece.weighted(far)]
     K, M = (
         scaled_total([(1.0, total), *(_part(each, values) for each in terms if each.role == role)])
         for role, total in (("stiffness", whole.stiffness), ("mass", whole.mass))
@@ -77,11 +77,6 @@ def near_contacts(
     near = _restricted(replace(whole, stiffness=K, mass=M), whole)
     destroy(K, M)
     return near
-
-
-def _far_terms(piece: BodyTerms, far: FarPoints) -> Iterator[Term]:
-    law, density = piece.body.material.elasticity, piece.body.density
-    return piece.integrals(replace(law, factor=far), lambda x: density * far(x))
 
 
 def _part(term: Term, values: Mapping[str, float]) -> tuple[float, Mat]:
