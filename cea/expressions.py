@@ -122,14 +122,9 @@ class Expression:
         return values
 
 
-Field = float | Expression | Callable[[Floats], Floats]
-
-
-def evaluate(field: Field, x: Floats) -> Floats:
-    """Return the values of a field at positions x (m), shape (n,)."""
-    if callable(field):
-        return np.broadcast_to(np.asarray(field(x), dtype=float), len(x)).copy()
-    return np.full(len(x), float(field))
+def evaluate(field: float | str, x: Floats) -> Floats:
+    """Return the values of a number or an expression at positions x (m), shape (n,)."""
+    return Expression(field)(x) if isinstance(field, str) else np.full(len(x), float(field))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Atomic writing of files and folders: an interrupted or failed write leaves no partial file.
+"""Atomic writing of files: an interrupted or failed write leaves no partial file.
 
 Content is written to a hidden file in the same folder, flushed to the disk, and then renamed.
 """
@@ -6,7 +6,6 @@ Content is written to a hidden file in the same folder, flushed to the disk, and
 import errno
 import gzip
 import os
-import shutil
 import signal
 import threading
 from collections.abc import Iterator
@@ -22,7 +21,7 @@ def write_whole(content: bytes, file: Path) -> Path:
     """Write a file atomically, creating its folder; compress it if its suffix is ``.gz``."""
     if file.suffix == ".gz":
         content = gzip.compress(content, _LEVEL, mtime=0)
-    part = _hidden(file, "part")
+    part = file.with_name(f".{file.name}.{os.getpid()}.part")
     try:
         with _told(file):
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -58,39 +57,12 @@ def check_writable(file: Path, field: str) -> None:
 
 
 @contextmanager
-def folder_whole(folder: Path) -> Iterator[Path]:
-    """Yield a new folder to fill, which replaces ``folder`` if the block ends without an error."""
-    part, old = _hidden(folder, "part"), _hidden(folder, "old")
-    try:
-        with _told(folder):
-            for left in (part, old):
-                shutil.rmtree(left, ignore_errors=True)
-            part.mkdir(parents=True)
-        yield part
-        with _told(folder):
-            _sync(part)
-            if folder.exists():
-                folder.replace(old)
-            part.replace(folder)
-            _sync(folder.parent)
-    finally:
-        if old.exists() and not folder.exists():
-            old.replace(folder)
-        for left in (part, old):
-            shutil.rmtree(left, ignore_errors=True)
-
-
-@contextmanager
 def _told(place: Path) -> Iterator[None]:
     """Turn an OSError of the block into a :class:`WriteError` that names the place."""
     try:
         yield
     except OSError as error:
         raise WriteError(f"{place} cannot be written: {error.strerror or error}") from error
-
-
-def _hidden(place: Path, what: str) -> Path:
-    return place.with_name(f".{place.name}.{os.getpid()}.{what}")
 
 
 def _sync(folder: Path) -> None:

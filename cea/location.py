@@ -110,7 +110,7 @@ class CellBounds:
     def __init__(
         self, cells: SurfaceCells, tangents: Callable[[Ints, Floats], tuple[Floats, Floats]]
     ) -> None:
-        self._element = cells.element
+        self.element = cells.element
         steps = lattice(cells.corners.shape[2], _SIDE, not cells.tensor)
         t = steps / _SIDE
         at, _ = cells.coordinates(t)
@@ -123,29 +123,15 @@ class CellBounds:
             shape = np.column_stack([1 - t.sum(axis=1), t[:, ::-1]])
         corners = x[:, corner]
         margin = _SAFETY * np.abs(x - shape @ corners).max(axis=1)
-        self._low, self._high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
+        self.low, self.high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
         self.centre = corners.mean(axis=1)
         farthest = np.linalg.norm(corners - self.centre[:, None], axis=2).max(axis=1)
         self.radius = farthest + np.linalg.norm(margin, axis=1)
         # No starting points on the edges: the tangents vanish on a collapsed edge.
         far = steps.max(axis=1) if cells.tensor else steps.sum(axis=1)
         inner = (steps > 0).all(axis=1) & (far < _SIDE)
-        self._starts = at.xi.reshape(*x.shape[:2], -1)[:, inner]
-        self._samples = x[:, inner]
-
-    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Return candidate pairs: points, elements, and xi of the sample nearest to the line."""
-        # Margin for rounding, since the reach may be zero.
-        room = reach + 1e-6 * 2 * float(self.radius.max())
-        point, cell = near_boxes(self._low, self._high, x, room)
-        along, across = _apart(self.centre[cell] - x[point], direction[point])
-        near = _NEAR * self.radius[cell]
-        tried = (across <= near) & (np.abs(along) <= reach + near)
-        point, cell = point[tried], cell[tried]
-        offset = self._samples[cell] - x[point][:, None]
-        along, across = _apart(offset, direction[point][:, None])
-        best = np.hypot(across, np.maximum(np.abs(along) - reach, 0.0)).argmin(axis=1)
-        return point, self._element[cell], self._starts[cell, best]
+        self.starts = at.xi.reshape(*x.shape[:2], -1)[:, inner]
+        self.samples = x[:, inner]
 
 
 def _apart(offset: Floats, aim: Floats) -> tuple[Floats, Floats]:
@@ -197,7 +183,7 @@ class Chart(ABC):
         n = len(x)
         at = SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, self.dim - 1)))
         missed = np.full(n, Status.MISSED, dtype=np.int8)
-        out = Location(at, np.full(n, np.nan), np.full(n, np.inf), missed, tolerance)
+        out = Location(at, np.full(n, np.nan), missed, tolerance)
         for rows in chunks(n, _PER_POINT):
             point, element, xi = self.candidates(x[rows], direction[rows], reach)
             point = point + rows.start
@@ -220,15 +206,26 @@ class Chart(ABC):
             found, first = np.unique(point[order], return_index=True)
             best = order[first]
             at.element[found], at.xi[found] = element[best], xi[best]
-            out.distance[found], out.miss[found] = distance[best], miss[best]
+            out.distance[found] = distance[best]
             edge = self.on_edge(element[best], xi[best], 10 * tolerance)
             inside = np.where(edge, Status.EDGE, Status.INSIDE)
             out.status[found] = np.where(hit[best], inside, Status.MISSED)
         return out
 
     def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Return candidate pairs: points, elements, initial xi; they include every hit."""
-        return self.bounds.candidates(x, direction, reach)
+        """Return points, elements and initial xi of pairs that include every hit."""
+        bounds = self.bounds
+        # Margin for rounding, since the reach may be zero.
+        room = reach + 1e-6 * 2 * float(bounds.radius.max())
+        point, cell = near_boxes(bounds.low, bounds.high, x, room)
+        along, across = _apart(bounds.centre[cell] - x[point], direction[point])
+        near = _NEAR * bounds.radius[cell]
+        tried = (across <= near) & (np.abs(along) <= reach + near)
+        point, cell = point[tried], cell[tried]
+        offset = bounds.samples[cell] - x[point][:, None]
+        along, across = _apart(offset, direction[point][:, None])
+        best = np.hypot(across, np.maximum(np.abs(along) - reach, 0.0)).argmin(axis=1)
+        return point, bounds.element[cell], bounds.starts[cell, best]
 
     @cached_property
     def bounds(self) -> CellBounds:

@@ -9,8 +9,8 @@ Matrices use Voigt's order 11, 22, 33, 23, 13, 12 (Ting, Anisotropic Elasticity,
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 from typing import Any, ClassVar, Literal
@@ -81,11 +81,13 @@ class Elasticity:
 
     matrix: Floats  # constants in the axes of the material (N/m^2), symmetric, shape (6, 6)
     axes: Axes | None = None  # None: the coordinate axes
+    factor: Callable[[Floats], Floats] | None = None  # of the stress, (dim, n) to (n,); None: 1
 
     @property
     def varies(self) -> bool:
         """Whether the elasticity tensor varies in space."""
-        return self.axes is not None and not self.axes.uniform
+        turns = self.axes is not None and not self.axes.uniform
+        return turns or self.factor is not None
 
     def stress(self, gradient: Floats, x: Floats) -> Floats:
         """Return the Cauchy stress (N/m^2), shape (dim, dim, n); plane strain in 2D.
@@ -94,6 +96,8 @@ class Elasticity:
         shape (dim, n), which are ignored if the tensor is uniform. Raise :class:`InputError` if the
         axes are undefined at a point.
         """
+        if self.factor is not None:
+            return replace(self, factor=None).stress(gradient, x) * self.factor(x)
         dim, tensor = len(gradient), self.matrix[np.ix_(_VOIGT.ravel(), _VOIGT.ravel())]
         if not self.varies:
             if self.axes is not None:

@@ -117,17 +117,8 @@ def _alone(product: Any) -> Any:
     return result
 
 
-def symmetrised(matrix: Any) -> Any:
-    """Replace a PETSc AIJ matrix by the mean with its transpose, symmetric to the last bit."""
-    return _mean_with_transpose(matrix, 1.0)
-
-
-def antisymmetrised(matrix: Any) -> Any:
-    """Replace a PETSc AIJ matrix A by (A - A^T) / 2, skew to the last bit."""
-    return _mean_with_transpose(matrix, -1.0)
-
-
-def _mean_with_transpose(matrix: Any, sign: float) -> Any:
+def symmetrised(matrix: Any, sign: float = 1.0) -> Any:
+    """Replace a PETSc AIJ matrix A by (A + sign A^T) / 2, symmetric or skew to the last bit."""
     transpose = matrix.transpose(PETSc.Mat())
     # An entry may be stored while its transpose, an exact zero, was dropped.
     matrix.axpy(sign, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
@@ -147,18 +138,11 @@ def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
     return result
 
 
-def absolute(matrix: Any) -> Any:
-    """Return the absolute values of the entries of a PETSc AIJ matrix, as a new matrix."""
+def of_entries(function: np.ufunc, matrix: Any) -> Any:
+    """Return a function of the stored entries of a PETSc AIJ matrix, as a new matrix."""
     rows = local_part(matrix)
-    np.abs(rows.data, out=rows.data)
+    function(rows.data, out=rows.data)
     return distributed(rows, matrix.getSizes()[1], matrix.comm, shared=True)
-
-
-def squared(matrix: Any) -> Any:
-    """Return the squares of the entries of a PETSc AIJ matrix, as a new matrix."""
-    part = local_part(matrix)
-    part.data = part.data**2
-    return distributed(part, matrix.getSizes()[1], matrix.comm)
 
 
 def block_diagonal(blocks: Sequence[Any]) -> Any:

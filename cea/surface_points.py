@@ -87,14 +87,12 @@ class Location:
 
     at: SurfaceCoordinates  # location of each point, or its nearest candidate if it was missed
     distance: Floats  # signed distance (m) along the direction to the surface, shape (n,)
-    # distance (m) by which the line misses the surface, infinite without candidates, (n,)
-    miss: Floats
     status: NDArray[np.int8]  # one :class:`Status` per point, shape (n,)
-    tolerance: float  # tolerance of ``miss``, relative to the local mesh size
+    # distance by which the line of a located point may miss the surface, in local mesh sizes
+    tolerance: float
 
     def __getitem__(self, rows: Any) -> "Location":
-        distance, miss, status = self.distance[rows], self.miss[rows], self.status[rows]
-        return Location(self.at[rows], distance, miss, status, self.tolerance)
+        return Location(self.at[rows], self.distance[rows], self.status[rows], self.tolerance)
 
     @property
     def missed(self) -> NDArray[np.bool_]:

@@ -39,28 +39,16 @@ class VolumeCells:
     cells: Ints
     values: csr_array  # coefficients there of the scalar basis functions, (n, num_scalar_dofs)
 
-    def straight(self) -> "StraightCells":
+    def straight(self) -> "VolumeCells":
         """Return straight cells through the corners of these cells, with the same fields there."""
-        dim = self.points.shape[1]
-        places = lattice(dim, self.degree, self.simplex).tolist()
-        corners = np.vstack([np.zeros((1, dim), dtype=int), np.eye(dim, dtype=int)])
-        if not self.simplex:
-            corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
-            if dim == 3:
-                corners = np.vstack([np.insert(corners, 2, z, axis=1) for z in (0, 1)])
-        at = [places.index(corner) for corner in (self.degree * corners).tolist()]
+        dim, simplex = self.points.shape[1], self.simplex
+        places = lattice(dim, self.degree, simplex).tolist()
+        corners = (self.degree * lattice(dim, 1, simplex)).tolist()
+        at = [places.index(corner) for corner in corners]
         used, cells = np.unique(self.cells[:, at], return_inverse=True)
+        points, values = self.points[used], csr_array(self.values[used])
         cells = cells.reshape(-1, len(at))
-        return StraightCells(self.points[used], cells, csr_array(self.values[used]))
-
-
-@dataclass(frozen=True)
-class StraightCells:
-    """Straight cells of a body."""
-
-    points: Floats  # positions (m), (n, dim)
-    cells: Ints  # points in VTK order, (n_cells, dim + 1) simplices or (n_cells, 2^dim) boxes
-    values: csr_array  # values there of the scalar basis functions, (n, num_scalar_dofs)
+        return VolumeCells("lagrange", simplex, 1, points, np.ones(len(used)), cells, values)
 
 
 type Density = float | Callable[[Floats], Floats]

@@ -40,8 +40,10 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> Rows:
     Each rank compresses its own points; rank 0 compresses what remains of all ranks.
     """
     order = _bisected(np.arange(len(x)), x)
-    gap = _without(gap[order], _rounding(gap, comm))
-    slip = _without(slip[order], np.zeros(slip.shape[1], dtype=bool))
+    rounding, gap, slip = _rounding(gap, comm), gap[order], slip[order]
+    gap.data[rounding[gap.indices]] = 0.0
+    gap.eliminate_zeros()
+    slip.eliminate_zeros()
     row, columns = np.repeat(np.arange(len(x)), np.diff(gap.indptr)), gap.shape[1]
     first, last = np.full(columns, len(x)), np.full(columns, -1)
     np.minimum.at(first, gap.indices, row)
@@ -82,14 +84,6 @@ def _rounding(gap: csr_array, comm: Any) -> NDArray[np.bool_]:
     np.maximum.at(largest, gap.indices, part)
     comm.Allreduce(MPI.IN_PLACE, largest, MPI.MAX)
     return largest <= _NEGLIGIBLE
-
-
-def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
-    """Return a matrix without stored zeros, and with some columns zeroed."""
-    result = matrix.copy()
-    result.data[columns[result.indices]] = 0.0
-    result.eliminate_zeros()
-    return result
 
 
 @dataclass

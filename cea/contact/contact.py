@@ -20,7 +20,7 @@ from cea.body import Body
 from cea.body.body import system_operator
 from cea.contact.formulations import Coupling, Form
 from cea.contact.friction import Friction
-from cea.contact.interface import Interface, along, jump_along
+from cea.contact.interface import Interface, along
 from cea.contact.laws import NormalLaw, Sliding
 from cea.contact.mortar import Eliminated, MortarProjection
 from cea.errors import InputError
@@ -115,7 +115,7 @@ class Contact:
     @property
     def has_friction(self) -> bool:
         """Whether the friction coefficient is nonzero anywhere."""
-        return self.friction is not None and self.friction.acts
+        return self.friction is not None and bool(np.any(self.friction.mu))
 
     @property
     def mu(self) -> float:
@@ -136,6 +136,12 @@ class Contact:
         points = self.interface.local_points
         with agreed(self.interface.comm):
             return self.friction.along(points.x, points.normal)
+
+    @property
+    def initial_gap(self) -> Floats:
+        """Initial gap g_n at all points (m), the added gap included, shape (n,); collective."""
+        distance = np.concatenate(self.interface.comm.allgather(self.interface.initial_gap))
+        return distance + self.added_gap
 
     @property
     def K_n(self) -> Any:
@@ -214,6 +220,11 @@ class Contact:
         destroy(compliance)
         return made
 
+    def jumps(self, direction: Floats) -> dict[str, csr_array]:
+        """Return the jump along directions at this rank's points by body, on its full dofs."""
+        on_a = along(self.interface.trace_a, direction)
+        return {self.a: on_a, self.b: along(self.interface.trace_b, -direction)}
+
     def weight(self, values: Floats) -> Floats:
         """Return area weights times values, for values at all points; rows of this rank."""
         return self.interface.local_points.weight * values[self.interface.rows]
@@ -270,7 +281,7 @@ def assembled(
         jump = jump_operator(bodies, contact, direction)
         if projection is None:
             return jump
-        integrals = projection.integrals(jump)
+        integrals = product(projection.traces, jump, points.weight)
         destroy(jump)
         return integrals
 
@@ -285,8 +296,7 @@ def assembled(
         pushed = contact.mu_at_points[:, None] * contact.friction_direction()
         slip = operator(pushed)
     if contact.coupling == "lumped":
-        weight = contact.weight(contact.slope)
-        lumped = _lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
+        lumped = _lumped_matrices(bodies, contact, pushed)
     moved = {
         name: np.concatenate(bodies[name].comm.allgather(own))
         for name in (contact.a, contact.b)
@@ -300,25 +310,20 @@ def assembled(
 
 def jump_operator(bodies: Mapping[str, Body], contact: Contact, direction: Floats) -> Any:
     """Return the jump along directions at this rank's points, PETSc AIJ (points x unknowns)."""
-    parts = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
-    return system_operator(bodies, dict(parts), len(direction))
+    return system_operator(bodies, contact.jumps(direction), len(direction))
 
 
 def approach_along(
     contact: Contact, direction: Floats, displacements: Mapping[str, Floats]
 ) -> Floats:
     """Return the closure along directions at all points (m) by full displacements (m)."""
-    jumps = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
+    jumps = contact.jumps(direction).items()
     parts = [jump @ displacements[name] for name, jump in jumps if name in displacements]
     return np.concatenate(contact.interface.comm.allgather(sum(parts, np.zeros(len(direction)))))
 
 
 def _lumped_matrices(
-    bodies: Mapping[str, Body],
-    sides: tuple[str, str],
-    interface: Interface,
-    weight: Floats,
-    pushed: Floats | None,
+    bodies: Mapping[str, Body], contact: Contact, pushed: Floats | None
 ) -> tuple[Any, Any | None]:
     """Return K_n and K_f of lumped contact on the unknowns of the system; ``pushed`` is mu k.
 
@@ -328,42 +333,35 @@ def _lumped_matrices(
     consistent. This is not of the form G^T D G: common translations of both bodies still cause no
     forces, common rotations do.
     """
-    traces = dict(zip(sides, (interface.trace_a, interface.trace_b), strict=True))
-    normal = interface.local_points.normal
-    stiffness = symmetrised(_lumped(bodies, traces, weight, normal, normal))
+    normal = contact.interface.local_points.normal
+    stiffness = symmetrised(_lumped(bodies, contact, normal))
     stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    if pushed is None:
-        return stiffness, None
-    return stiffness, _lumped(bodies, traces, weight, pushed, normal)
+    return stiffness, None if pushed is None else _lumped(bodies, contact, pushed)
 
 
-def _lumped(
-    bodies: Mapping[str, Body],
-    traces: Mapping[str, csr_array],
-    weight: Floats,
-    left: Floats,
-    right: Floats,
-) -> Any:
-    """Return the product of the jumps along ``left`` and ``right`` with lumped diagonal blocks.
+def _lumped(bodies: Mapping[str, Body], contact: Contact, left: Floats) -> Any:
+    """Return the product of the jumps along ``left`` and the normals with lumped diagonal blocks.
 
     In a diagonal block every trace value N_i(x_q) becomes a separate point with the weight
     w p N_i(x_q), at which function i alone is one.
     """
-    one, other = traces
-    parts = []
-    for test_side, trial_side in ((one, other), (other, one)):
-        test = system_operator(bodies, {test_side: along(traces[test_side], left)}, len(weight))
-        trial = system_operator(bodies, {trial_side: along(traces[trial_side], right)}, len(weight))
-        parts.append(product(test, trial, -weight))
-        destroy(test, trial)
-    for side, trace in traces.items():
+    interface, weight, parts = contact.interface, contact.weight(contact.slope), []
+    normal = interface.local_points.normal
+
+    def add(test: Mapping[str, csr_array], trial: Mapping[str, csr_array], weight: Floats) -> None:
+        tested, tried = (system_operator(bodies, each, len(weight)) for each in (test, trial))
+        parts.append(product(tested, tried, weight))
+        destroy(tested, tried)
+
+    tests, trials = contact.jumps(left), contact.jumps(normal)
+    for one, other in ((contact.a, contact.b), (contact.b, contact.a)):
+        add({one: tests[one]}, {other: trials[other]}, weight)
+    for side, trace in ((contact.a, interface.trace_a), (contact.b, interface.trace_b)):
         point, count = np.repeat(np.arange(len(weight)), np.diff(trace.indptr)), trace.nnz
         entries = (np.ones(count), trace.indices, np.arange(count + 1))
         alone = csr_array(entries, shape=(count, trace.shape[1]))
-        test = system_operator(bodies, {side: along(alone, left[point])}, count)
-        trial = system_operator(bodies, {side: along(alone, right[point])}, count)
-        parts.append(product(test, trial, weight[point] * trace.data))
-        destroy(test, trial)
+        test, trial = along(alone, left[point]), along(alone, normal[point])
+        add({side: test}, {side: trial}, weight[point] * trace.data)
     result = scaled_total([(1.0, part) for part in parts])
     destroy(*parts)
     return result

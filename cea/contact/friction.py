@@ -9,7 +9,6 @@ from cea.errors import InputError, require
 from cea.expressions import Expression
 
 _GRAZING = 1e-6
-_FIELD = "friction_direction_on_a"
 
 
 @dataclass(frozen=True)
@@ -32,9 +31,9 @@ class AlongVector:
         fits = len(self.vector) == dim
         require(fits, f"{field}.vector", self.vector, f"{dim} numbers, the dimension of space")
 
-    def at(self, x: Floats, normal: Floats) -> Floats:
-        """Return unit tangents (n, dim) at positions x (m) with unit normals."""
-        return _tangent(np.broadcast_to(of_size_one(self.vector), x.shape), normal)
+    def at(self, x: Floats) -> Floats:
+        """Return vectors (n, dim) at positions x (m)."""
+        return np.broadcast_to(of_size_one(self.vector), x.shape)
 
 
 @dataclass(frozen=True)
@@ -63,10 +62,10 @@ class Circumferential:
             require(not any(axis[:2]), place, axis, "an axis along z in the plane")
             require(not self.origin[2], f"{field}.origin", self.origin, "z = 0 in the plane")
 
-    def at(self, x: Floats, normal: Floats) -> Floats:
-        """Return unit tangents (n, dim) at positions x (m) with unit normals."""
+    def at(self, x: Floats) -> Floats:
+        """Return vectors (n, dim) at positions x (m)."""
         axis, arm = arms_about(self.circumferential_about, self.origin, x)
-        return _tangent(np.cross(axis, arm)[:, : x.shape[1]], normal)
+        return np.cross(axis, arm)[:, : x.shape[1]]
 
 
 @dataclass(frozen=True)
@@ -93,9 +92,9 @@ class AlongField:
         for i, text in enumerate(self.field):
             Expression(text).check(f"{field}.field.{i}", dim)
 
-    def at(self, x: Floats, normal: Floats) -> Floats:
-        """Return unit tangents (n, dim) at positions x (m) with unit normals."""
-        return _tangent(np.stack([Expression(text)(x) for text in self.field], axis=1), normal)
+    def at(self, x: Floats) -> Floats:
+        """Return vectors (n, dim) at positions x (m)."""
+        return np.stack([Expression(text)(x) for text in self.field], axis=1)
 
 
 FrictionDirection = AlongVector | Circumferential | AlongField
@@ -116,24 +115,12 @@ class Friction:
 
     def along(self, x: Floats, normal: Floats) -> Floats:
         """Return unit tangents (n, dim) at positions x (m) with unit normals."""
-        tangents = self.direction.at(x, normal)
-        return -tangents if self.reverse else tangents
-
-    @property
-    def acts(self) -> bool:
-        """Whether the coefficient is nonzero anywhere."""
-        return bool(np.any(self.mu))
-
-
-def _tangent(direction: Floats, normal: Floats) -> Floats:
-    along = np.einsum("ij,ij->i", direction, normal)
-    tangent = direction - along[:, None] * normal
-    length = np.linalg.norm(tangent, axis=1)
-    if (length <= _GRAZING * np.linalg.norm(direction, axis=1)).any():
-        worst = int(np.argmin(length))
-        raise InputError(
-            _FIELD,
-            direction[worst].tolist(),
-            f"a direction that is not normal to side a, whose normal here is {normal[worst]}",
-        )
-    return tangent / length[:, None]
+        direction = self.direction.at(x)
+        tangent = direction - np.einsum("ij,ij->i", direction, normal)[:, None] * normal
+        length = np.linalg.norm(tangent, axis=1)
+        if (length <= _GRAZING * np.linalg.norm(direction, axis=1)).any():
+            worst = int(np.argmin(length))
+            value, at = direction[worst].tolist(), normal[worst]
+            allowed = f"a direction that is not normal to side a, whose normal here is {at}"
+            raise InputError("friction_direction_on_a", value, allowed)
+        return (-tangent if self.reverse else tangent) / length[:, None]

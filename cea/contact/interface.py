@@ -152,14 +152,6 @@ def pair(
     )
 
 
-def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_array]:
-    """Return the parts on a and b of the jump along a direction, for this rank's points.
-
-    They are operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
-    """
-    return along(interface.trace_a, direction), along(interface.trace_b, -direction)
-
-
 def along(trace: csr_array, direction: Floats) -> csr_array:
     """Return the displacement component along a direction, shape (n, dim * num_scalar_dofs).
 

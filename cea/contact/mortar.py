@@ -24,7 +24,7 @@ from scipy.sparse.linalg import splu, spsolve
 
 from cea.arrays import Floats, Ints
 from cea.contact.interface import Interface
-from cea.matrices import destroy, distributed, local_part, product, symmetric_product
+from cea.matrices import destroy, distributed, local_part, symmetric_product
 from cea.petsc import PETSc
 
 _INDEPENDENT = 1e-15
@@ -63,10 +63,6 @@ class MortarProjection:
         kept = _independent(everywhere(gram), cut, comm)
         destroy(gram, every.traces)
         return on(touched[kept])
-
-    def integrals(self, jump: Any) -> Any:
-        """Return int psi_i of a jump at the points, PETSc AIJ (multipliers x free dofs)."""
-        return product(self.traces, jump, self.interface.local_points.weight)
 
     def compliance(self, stiffness: Floats) -> Any:
         """Return M, PETSc AIJ (m x m), symmetric to the last bit, for a stiffness at all points."""

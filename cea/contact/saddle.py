@@ -33,8 +33,8 @@ from cea.matrices import (
     distributed,
     identity,
     local_part,
+    of_entries,
     one_below_the_other,
-    squared,
 )
 from cea.petsc import MPI
 
@@ -120,7 +120,7 @@ def _at_points(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
 
 def _body_stiffness(closure: Any, compliance: Any, stiffness: Floats) -> tuple[float, float]:
     """Return P (N/m) at which the stiffest and the softest force match the body stiffness."""
-    squares, comm = squared(closure), closure.comm.tompi4py()
+    squares, comm = of_entries(np.square, closure), closure.comm.tompi4py()
     relative = applied(squares, 1 / stiffness) / diagonal_of(compliance)
     destroy(squares)
     stiffest = comm.allreduce(relative.max(initial=0.0), MPI.MAX)

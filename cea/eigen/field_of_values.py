@@ -42,7 +42,6 @@ from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, count_below
 from cea.errors import ConvergenceError
 from cea.matrices import (
-    antisymmetrised,
     block_diagonal,
     destroy,
     distributed,
@@ -134,7 +133,7 @@ def _positive(matrices: Matrices, damping: Mat, rate: float) -> bool:
 
 def _skew_row_sums(matrix: Mat) -> Mat:
     """Return the diagonal matrix of the row sums of the absolute skew part, PETSc AIJ."""
-    skew = antisymmetrised(matrix.copy())
+    skew = symmetrised(matrix.copy(), -1.0)
     sums = np.asarray(abs(local_part(skew)).sum(axis=1)).ravel()
     (local, _), columns = skew.getSizes()
     own = np.arange(*skew.getOwnershipRange())

@@ -23,7 +23,7 @@ from cea.eigen.coefficients import CONSTANT, Dependence, Parameter
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers, with_unformed
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm, Unknowns, low_rank_sum
 from cea.errors import InputError
-from cea.matrices import absolute, destroy, scaled_total
+from cea.matrices import destroy, of_entries, scaled_total
 from cea.petsc import Mat
 
 Role = Literal["mass", "damping", "stiffness"]
@@ -320,4 +320,4 @@ class Sizes:
 
 def _absolute(*matrices: Mat | None) -> list[Any]:
     """Return the absolute values of the entries of matrices that are not None."""
-    return [absolute(each) for each in matrices if each is not None]
+    return [of_entries(np.abs, each) for each in matrices if each is not None]

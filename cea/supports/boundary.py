@@ -118,20 +118,14 @@ class Support:
                 found.append(np.eye(dim)["xyz".index(name)])
             elif not both:
                 distance = np.linalg.norm(arm, axis=1, keepdims=True)
-                _refuse_axis(x, distance[:, 0])
+                size = max(np.ptp(x, axis=0).max(), distance.max()) if len(x) else 0.0
+                if len(x) and distance.min() <= _ON_AXIS * size:
+                    value = f"radial or circumferential at {x[distance.argmin()].tolist()}"
+                    allowed = "both or neither on a surface that meets the axis"
+                    raise InputError("support.components", value, allowed)
                 turned = np.cross(axis, arm) if name == "circumferential" else arm
                 found.append((turned / distance)[:, :dim])
         return np.stack([np.broadcast_to(direction, x.shape) for direction in found])
-
-
-def _refuse_axis(x: Floats, distance: Floats) -> None:
-    """Raise InputError if a point (m) lies on the axis of a single constrained direction."""
-    if len(x) and distance.min() <= _ON_AXIS * max(np.ptp(x, axis=0).max(), distance.max()):
-        raise InputError(
-            "support.components",
-            f"radial or circumferential at {x[distance.argmin()].tolist()}",
-            "both or neither on a surface that meets the axis",
-        )
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,6 @@ class Constraints:
     """Constraints of the supports of a body, and the expansion from its free unknowns."""
 
     dim: int  # dimension of space
-    num_scalar_dofs: int  # scalar dofs of the body
     dofs: Ints  # constrained scalar dofs, increasing, shape (m,)
     removed: Ints  # number of unknowns eliminated at each of them, shape (m,)
     # their displacement components from the free unknowns, shape (dim * m, free unknowns)
@@ -54,9 +53,8 @@ class Constraints:
         parts = np.zeros((supports, *force.shape))
         if self.shares:
             every = csr_array(sum(self.shares.values()))
-            multipliers = lsqr(every.T, force.ravel(), atol=_ROUNDING, btol=_ROUNDING, conlim=0.0)[
-                0
-            ]
+            exactly = {"atol": _ROUNDING, "btol": _ROUNDING, "conlim": 0.0}
+            multipliers = lsqr(every.T, force.ravel(), **exactly)[0]
             for support, rows in self.shares.items():
                 parts[support] = (rows.T @ multipliers).reshape(force.shape)
         return parts

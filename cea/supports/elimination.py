@@ -74,7 +74,7 @@ def constrain(
     along = replace(held, direction=_in_span(held, owner[place], taken, slot[place]))
     rows = _rows_by_support(along, components(owner[place], dim), dim * len(dofs), shares)
     prescribed = values if every.value.any() else None
-    return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, rows, prescribed)
+    return Constraints(dim, dofs, removed, free, frame, rows, prescribed)
 
 
 def _in_span(held: Directions, owner: Ints, taken: Floats, slot: Ints) -> Floats:

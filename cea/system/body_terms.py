@@ -7,7 +7,7 @@ Damping that rotates with its body adds circulatory terms to the stiffness (:mod
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,6 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.body.space import Density
 from cea.eigen.block_products import times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.pencil import Role, Term
@@ -29,7 +28,6 @@ from cea.matrices import (
     distributed,
     identity,
     one_below_the_other,
-    scaled_total,
     side_by_side,
     zeros,
 )
@@ -67,7 +65,7 @@ class BodyTerms:
     @cached_property
     def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
         """Terms of K and M, rotation and Rayleigh damping."""
-        own: list[Term | UnformedTerm[Circulatory]] = [*self._of_body(), *self._of_springs()]
+        own: list[Term | UnformedTerm[Circulatory]] = [*self._of_body()]
         if self.body.material.entries and self._constants:
             own += self._of_constants()
         if self.motion.rotation is not None:
@@ -177,10 +175,12 @@ class BodyTerms:
         return Coefficient({f"{self.path}.damping.modal.{field}": (1.0, 1.0)})
 
     def _of_body(self) -> Iterator[Term]:
-        """Yield K, M and Rayleigh damping."""
+        """Yield K, its springs, M and Rayleigh damping."""
         body, path = self.body, self.path
         pieces: list[tuple[Role, Mat, Coefficient]]
-        pieces = [("stiffness", body.stiffness(), self._stiffness)]
+        pieces = [("stiffness", body.elastic_stiffness(), self._stiffness)]
+        if (springs := body.spring_stiffness()) is not None:
+            pieces.append(("stiffness", springs, CONSTANT))
         if self.with_mass:
             pieces.append(("mass", body.mass(), self._mass))
         for role, own, coefficient in pieces:
@@ -190,30 +190,19 @@ class BodyTerms:
                 factor = {"mass": "alpha", "stiffness": "beta"}[role]
                 yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
 
-    def integrals(self, elasticity: Elasticity, density: Density) -> Iterator[Term]:
-        """Yield K and M of another elastic law and density."""
-        space, reduced = self.body.space, self.body.reduced
+    def weighted(self, factor: Callable[[Floats], Floats]) -> Iterator[Term]:
+        """Yield K and M whose integrands are multiplied by a factor, (dim, n) to (n,)."""
+        space, reduced, rho = self.body.space, self.body.reduced, self.body.density
+        law = replace(self.body.material.elasticity, factor=factor)
         parts: list[tuple[Role, Mat, Coefficient]] = [
-            ("stiffness", reduced(space.stiffness(elasticity)), self._stiffness),
-            ("mass", reduced(space.mass(density)), self._mass),
+            ("stiffness", reduced(space.stiffness(law)), self._stiffness),
+            ("mass", reduced(space.mass(lambda x: rho * factor(x))), self._mass),
         ]
         for role, own, coefficient in parts:
             whole = self.placed(own)
             if whole is not own:
                 destroy(own)
             yield Term(role, whole, coefficient)
-
-    def _of_springs(self) -> Iterator[Term]:
-        """Yield the correction for springs, whose stiffness does not change with E."""
-        springs, name = self.body.spring_stiffness(), f"{self.path}.material.E"
-        if springs is None or name not in self._stiffness.names:
-            return
-        E, beta = self._constants["E"], f"{self.path}.damping.beta"
-        matrix = self.placed(springs)
-        yield Term("stiffness", matrix, Smooth(frozenset({name}), lambda t: 1.0 - t[name] / E))
-        if self.with_mass and self.motion.damping is not None:
-            damped = Smooth(frozenset({name, beta}), lambda t: t[beta] * (1.0 - t[name] / E))
-            yield Term("damping", matrix, damped)
 
     def _of_constants(self) -> Iterator[Term]:
         """Yield the change of K with the constants of a solid that has several."""
@@ -268,12 +257,12 @@ class BodyTerms:
             yield UnformedTerm(piece, self._modal_ratio.times(rate))
         if damping is None:
             return
-        K, springs = self.body.stiffness(), self.body.spring_stiffness()
-        if springs is not None:
-            K = scaled_total([(1.0, K), (-1.0, springs)])
         alpha = self._mass.times(f"{self.path}.damping.alpha").times(rate)
         yield Term("stiffness", self.placed(B), alpha, symmetric=False)
-        left, right = self.placed(K, columns=False), self.placed(B, rows=False)
+        left, right = (
+            self.placed(self.body.elastic_stiffness(), columns=False),
+            self.placed(B, rows=False),
+        )
         beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
         yield UnformedTerm(Circulatory(left, self.body.mass(), right), beta)
 

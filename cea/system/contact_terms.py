@@ -34,7 +34,7 @@ from cea.contact.formulations import Form
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.pencil import Term
 from cea.errors import ResultWarning
-from cea.matrices import applied, destroy, diagonal_of, product, squared, symmetrised
+from cea.matrices import applied, destroy, diagonal_of, of_entries, product, symmetrised
 from cea.petsc import MPI, PETSc
 
 MOST_DIGITS = 6.0
@@ -103,7 +103,7 @@ def _stiffness_ratio(contact: Contact, stiffness: Floats) -> float:
     if contact.penalty_only:
         own = diagonal_of(contact.K_n)
     else:
-        squares = squared(contact.gap)
+        squares = of_entries(np.square, contact.gap)
         own = applied(squares, contact.weight(contact.slope), transposed=True)
         destroy(squares)
     return contact.interface.comm.allreduce((own / stiffness).max(initial=least), MPI.MAX)
@@ -115,9 +115,9 @@ def stiffness_diagonal(bodies: Mapping[str, Body], values: Mapping[str, float]) 
     for name, body in bodies.items():
         E = body.material.means[0]
         factor = values.get(f"bodies.{name}.material.E", E) / E
-        parts.append(factor * diagonal_of(body.stiffness()))
+        parts.append(factor * diagonal_of(body.elastic_stiffness()))
         if (springs := body.spring_stiffness()) is not None:
-            parts[-1] += (1.0 - factor) * diagonal_of(springs)
+            parts[-1] += diagonal_of(springs)
     return np.concatenate(parts)
 
 
@@ -142,9 +142,10 @@ def with_forms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> tuple
 
 
 def penalty_warnings(
-    contacts: Sequence[Contact], digits: Mapping[str, float]
+    bodies: Mapping[str, Body], contacts: Sequence[Contact], values: Mapping[str, float]
 ) -> tuple[ResultWarning, ...]:
     """Return a warning for each contact whose penalty form loses too many digits."""
+    digits = penalty_digits(bodies, contacts, values)
     costly = {c.pair: digits[c.pair] for c in contacts if not c.has_multipliers}
     return tuple(
         ResultWarning(

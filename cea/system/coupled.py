@@ -72,8 +72,7 @@ class CoupledSystem:
 
     def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
         """Return warnings of kind ``penalty-rounding`` for other values of some parameters."""
-        digits = penalty_digits(self.bodies, self.contacts, values)
-        return penalty_warnings(self.contacts, digits)
+        return penalty_warnings(self.bodies, self.contacts, values)
 
     def keeps_form(self, contact: str, values: Mapping[str, float]) -> bool:
         """Return whether a contact would have the same form for other parameter values."""
@@ -142,14 +141,13 @@ class CoupledSystem:
         formed = with_forms(self.bodies, contacts)
         return replace(self, contacts=formed, steady=steady, prestress=prestress)
 
-    def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
+    def displacement(self, x: Any, body: str) -> Floats:
         """Return the full displacement (m) of a body, prescribed parts included, (dim * dofs,)."""
         own = self.bodies[body]
         full = applied(own.expansion, x.array_r[self.pieces[body].rows])
         if own.prescribed is not None:
             full += own.prescribed
-        parts = own.comm.allgather(full) if everywhere else own.comm.gather(full)
-        return np.concatenate(parts or [np.zeros(0)])
+        return np.concatenate(own.comm.allgather(full))
 
 
 def couple(

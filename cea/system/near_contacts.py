@@ -5,7 +5,7 @@ than a distance from every contact point the rest bounds them from below, and ha
 dofs: a bound by the field of values costs a small factorisation (:mod:`cea.eigen.field_of_values`).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,8 +16,7 @@ from cea.arrays import Floats
 from cea.contact.contact import Contact
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.pencil import Matrices, Term
-from cea.material import Elasticity
-from cea.matrices import absolute, applied, destroy, scaled_total
+from cea.matrices import applied, destroy, diagonal_of, of_entries, scaled_total
 from cea.petsc import MPI, Mat, PETSc
 from cea.system.body_terms import BodyTerms
 
@@ -48,22 +47,6 @@ class FarPoints:
         return self._last[1]
 
 
-@dataclass(frozen=True, eq=False)
-class FarElasticity(Elasticity):
-    """An elastic law without stiffness near contacts."""
-
-    far: FarPoints = field(kw_only=True)
-
-    @property
-    def varies(self) -> bool:
-        """True: the elasticity tensor varies in space."""
-        return True
-
-    def stress(self, gradient: Floats, x: Floats) -> Floats:
-        """Return the stress, zero near contacts (:meth:`cea.material.Elasticity.stress`)."""
-        return Elasticity(self.matrix, self.axes).stress(gradient, x) * self.far(x)
-
-
 def near_contacts(
     pieces: Mapping[str, BodyTerms],
     contacts: Sequence[Contact],
@@ -85,7 +68,7 @@ def near_contacts(
     distances = np.concatenate([points.query(x)[0] for x in positions if x is not None])
     # Rounding must not decide about points as far away as the dof at the quantile.
     far = FarPoints(points, (1 + _ASIDE) * float(np.quantile(distances, _NEAR)))
-    terms = [term for piece in pieces.values() for term in _far_terms(piece, far)]
+    terms = [term for piece in pieces.values() for term in piece.weighted(far)]
     K, M = (
         scaled_total([(1.0, total), *(_part(each, values) for each in terms if each.role == role)])
         for role, total in (("stiffness", whole.stiffness), ("mass", whole.mass))
@@ -94,12 +77,6 @@ def near_contacts(
     near = _restricted(replace(whole, stiffness=K, mass=M), whole)
     destroy(K, M)
     return near
-
-
-def _far_terms(piece: BodyTerms, far: FarPoints) -> Iterator[Term]:
-    law, density = piece.body.material.elasticity, piece.body.density
-    far_law = FarElasticity(law.matrix, law.axes, far=far)
-    return piece.integrals(far_law, lambda x: density * far(x))
 
 
 def _part(term: Term, values: Mapping[str, float]) -> tuple[float, Mat]:
@@ -114,12 +91,12 @@ def _restricted(matrices: Matrices, whole: Matrices) -> Matrices | None:
     M, forces, friction = matrices.mass, matrices.multipliers, matrices.unsymmetric
     inside = np.zeros(M.getLocalSize()[0], dtype=bool)
     for part, total in ((matrices.stiffness, whole.stiffness), (M, whole.mass)):
-        inside |= _diagonal(part) > _INSIDE * _diagonal(total)
+        inside |= diagonal_of(part) > _INSIDE * diagonal_of(total)
     if _acts_on(matrices, np.where(inside, 0.0, 1.0)):
         return None
     M.scale(1 - _REMOVED)
     diagonal = M.getDiagonal()
-    diagonal.array[:] += _LUMPED * _diagonal(whole.mass)
+    diagonal.array[:] += _LUMPED * diagonal_of(whole.mass)
     M.setDiagonal(diagonal)
     M.assemble()
     dofs = _index_set(inside, M)
@@ -136,7 +113,7 @@ def _acts_on(matrices: Matrices, dofs: Floats) -> bool:
     acts = False
     for each in (friction, *((forces.closure, forces.reaction) if forces else ())):
         if each is not None:
-            sizes = absolute(each)
+            sizes = of_entries(np.abs, each)
             acts |= bool(applied(sizes, dofs).any())
             if each is friction:
                 acts |= bool(applied(sizes, dofs, transposed=True).any())
@@ -153,14 +130,6 @@ def _of_columns(forces: Multipliers, dofs: Any) -> Multipliers:
     destroy(rows)
     border = forces.border and forces.border.copy()
     return Multipliers(closure, reaction, forces.compliance.copy(), border, forces.tied)
-
-
-def _diagonal(matrix: Mat) -> Floats:
-    """Return the diagonal, the rows of this rank."""
-    vector = matrix.getDiagonal()
-    values: Floats = np.array(vector.array_r, dtype=float)
-    destroy(vector)
-    return values
 
 
 def _index_set(chosen: Any, matrix: Mat) -> Any:

@@ -17,9 +17,8 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.contact.contact import Contact
 from cea.contact.laws import NormalCompliance
-from cea.eigen.pencil import Matrices, Sizes, internal_forces, release
+from cea.eigen.pencil import Matrices, Sizes, internal_forces
 from cea.eigen.shifted import Shifted, count_below
 from cea.eigen.static import rounding_uncertainty
 from cea.errors import ConvergenceError
@@ -77,7 +76,7 @@ class SteadyEquations:
         # The pencil at rest without nonlinear contacts.
         linear = tuple(replace(c, sliding=None) for c in system.contacts if c.law.linear)
         self.matrices = replace(system, contacts=linear).pencil().at_rest().at()
-        self._gaps = [contact.projected_gap(initial_gap(contact)) for contact in self.contacts]
+        self._gaps = [contact.projected_gap(contact.initial_gap) for contact in self.contacts]
         self._prescribed = [
             0.0 if contact.prescribed is None else contact.projected_gap(contact.prescribed)
             for contact in self.contacts
@@ -109,16 +108,6 @@ class SteadyEquations:
         pairs = zip(gaps, self._prescribed, strict=True)
         return [gap - factor * closed for gap, closed in pairs]
 
-    def load_at(self, factor: float) -> Floats:
-        """Return the load at a load factor (N), the rows of this rank."""
-        return factor * self._load.array_r
-
-    def zero(self) -> tuple[Floats, Floats]:
-        """Return zero displacements and contact forces."""
-        multipliers = self.matrices.multipliers
-        forces = 0 if multipliers is None else multipliers.closure.getLocalSize()[0]
-        return np.zeros(self._size), np.zeros(forces)
-
     def state(self, x: Floats, f: Floats, factor: float) -> State:
         """Return the state of displacements (m) and contact forces (N) at a load factor."""
         closings, gaps = [each.closing(x) for each in self.contacts], self.gaps_at(factor)
@@ -128,7 +117,7 @@ class SteadyEquations:
             for slope, u, gap in zip(self.slopes(closures), closings, gaps, strict=True)
         ]
         elastic = internal_forces(self.matrices, x[:, None], f[:, None])[:, 0]
-        contact, load = self.contact_forces(closures), self.load_at(factor)
+        contact, load = self.contact_forces(closures), factor * self._load.array_r
         residual = elastic + contact - load
         norm, noise, *sizes = self.norms(residual, self._forces(rounding), load, contact, elastic)
         return State(x, f, closures, residual, float(norm), float(max(sizes)), float(noise))
@@ -186,10 +175,11 @@ class SteadyEquations:
                 raise ConvergenceError(f"{OPENS}; nothing presses the sides together", best=None)
             self.springs.append(np.full(len(gap), law.pressure(closure) / closure))
 
-    def spring_forces(self, factor: float) -> Floats:
-        """Return the forces (N) of the springs at zero displacement, the rows of this rank."""
+    def forces_at_rest(self, factor: float) -> Floats:
+        """Return the load and the spring forces (N) at zero displacement, the rows of this rank."""
         pairs = zip(self.springs, self.gaps_at(factor, even=True), strict=True)
-        return self._forces([p * rest for p, rest in pairs], friction=False)
+        springs = self._forces([p * rest for p, rest in pairs], friction=False)
+        return factor * self._load.array_r + springs
 
     def spring_resultant(self, x: Floats, factor: float) -> float:
         """Return the sum of the normal forces (N) of the springs, positive in compression."""
@@ -200,7 +190,7 @@ class SteadyEquations:
 
     def checked_residual(self, state: State, tangent: Matrices) -> float:
         """Return the residual at full load relative to the load; raise if too large; collective."""
-        contact, load = self.contact_forces(state.closures), self.load_at(1.0)
+        contact, load = self.contact_forces(state.closures), self._load.array_r
         norm, of_load, of_contact = self.norms(state.residual, load, contact)
         size = of_load or of_contact or 1.0
         if norm > LEFT_OVER * size:
@@ -222,21 +212,10 @@ class SteadyEquations:
         vector.array[:] = x
         return vector
 
-    def free(self) -> None:
-        """Free the matrices of the equations."""
-        release(self.matrices)
-
 
 def free_tangent(tangent: Matrices) -> None:
     """Free a tangent, except the multipliers that it shares."""
     destroy(*(m for m in (tangent.stiffness, tangent.unsymmetric) if m))
-
-
-def initial_gap(contact: Contact) -> Floats:
-    """Return the initial gap g_n at all points (m), including the added gap, shape (n,)."""
-    interface = contact.interface
-    distance = np.concatenate(interface.comm.allgather(interface.initial_gap))
-    return distance + contact.added_gap
 
 
 def solved(factors: Shifted, b: Floats) -> tuple[Floats, Floats]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from cea.arrays import Floats
+from cea.eigen.pencil import release
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import rounding_uncertainty
 from cea.errors import ConvergenceError, require
@@ -26,7 +27,6 @@ from cea.system.steady_state import (
     ContactState,
     LoadStep,
     SteadySliding,
-    StepState,
     contact_state,
     uniqueness_at,
 )
@@ -56,8 +56,8 @@ def steady_sliding(
 
     The load is applied in ``steps`` equal steps, or up to increasing fractions of it, the last of
     them 1; steps without equilibrium are divided. ``history`` stores the equilibrium of every step.
-    Raise ConvergenceError, with the last state, if the load opens the contact, a rigid body mode is
-    free, or no equilibrium is found.
+    Raise ConvergenceError, with the last state, if the load opens the contact or no equilibrium is
+    found; without it, if a rigid body mode is free.
     """
     require(system.load is not None, "load", None, "loads: the system was coupled without any")
     linear = all(contact.law.linear for contact in system.contacts)
@@ -68,7 +68,7 @@ def steady_sliding(
     try:
         return _Path(equations, timer or StageTimer(), history).solve((0.0, *steps))
     finally:
-        equations.free()
+        release(equations.matrices)
 
 
 class _Path:
@@ -107,8 +107,8 @@ class _Path:
                 done, state = factor, run.state
                 part = min(_GROWS * part, whole)
                 if self._history:
-                    x = self._equations.vector(state.x)
-                    run.step.state = StepState(x, self._contact_states(state))
+                    run.step.displacement = self._equations.vector(state.x)
+                    run.step.contacts = self._contact_states(state)
                 path.append(run.step)
                 continue
             part *= 0.5
@@ -149,13 +149,12 @@ class _Path:
         """
         if factor not in self._starts:
             equations = self._equations
-            forces = equations.load_at(factor) + equations.spring_forces(factor)
             tangent = equations.tangent(equations.springs, friction=False)
             with self._timer("factorisation"):
-                found = solved_regularly(tangent, forces)
+                found = solved_regularly(tangent, equations.forces_at_rest(factor))
             free_tangent(tangent)
             if found is None:
-                raise ConvergenceError(_FREE, best=equations.state(*equations.zero(), factor))
+                raise ConvergenceError(_FREE)
             self._starts[factor] = found
         return self._starts[factor]
 

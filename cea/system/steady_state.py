@@ -43,14 +43,6 @@ class ContactState:
         return self.closed_area / self.area
 
 
-@dataclass(frozen=True)
-class StepState:
-    """Equilibrium at a load factor."""
-
-    displacement: Vec  # free displacements (m), PETSc vector
-    contacts: Mapping[str, ContactState]  # state of each half pass with a law, by its name
-
-
 @dataclass
 class LoadStep:
     """A load step, with the history of Newton's method."""
@@ -63,7 +55,10 @@ class LoadStep:
     # whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
     # None if it is symmetric, or unknown
     parity: int | None = None
-    state: StepState | None = None  # the equilibrium; None if the history was not requested
+    # the equilibrium, if the history was requested: free displacements (m), PETSc vector, and the
+    # state of each half pass with a law, by its name
+    displacement: Vec | None = None
+    contacts: Mapping[str, ContactState] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -83,11 +78,6 @@ class Uniqueness:
         """Whether the determinant has, at any load factor, another sign than without friction."""
         return 1 in (self.parity, *self.parities.values())
 
-    @property
-    def near(self) -> bool:
-        """Whether the tangent is nearly singular."""
-        return self.margin < _NEAR
-
     def warnings(self) -> tuple[ResultWarning, ...]:
         """Return warnings of lost, or nearly lost, uniqueness."""
         if self.lost:
@@ -96,7 +86,7 @@ class Uniqueness:
                 "the determinant of the tangent has another sign than without friction: the "
                 "equilibrium is unstable or there are others"
             )
-        elif self.near:
+        elif self.margin < _NEAR:
             kind = "nearly-not-unique"
             message = (
                 f"the tangent is nearly singular ({self.margin:.1e} of that without friction): "
@@ -132,15 +122,15 @@ class SteadySliding:
 
 def contact_state(contact: Contact, closure: Floats) -> ContactState:
     """Return the contact state of a half pass at closures of all its points (m), shape (n,)."""
-    points, friction_law = contact.interface.points, contact.friction
+    points = contact.interface.points
     pressure = contact.law.pressure(closure)
     weighted = points.weight * pressure
     force = -(weighted @ points.normal)
     friction = 0.0
-    if friction_law is not None and friction_law.acts:
-        tangential = weighted * friction_law.mu
+    if contact.friction is not None and contact.has_friction:
+        tangential = weighted * contact.friction.mu
         friction = float(tangential.sum())
-        force = force + tangential @ friction_law.along(points.x, points.normal)
+        force = force + tangential @ contact.friction.along(points.x, points.normal)
     return ContactState(
         closure=closure,
         pressure=pressure,

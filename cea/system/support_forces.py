@@ -93,9 +93,8 @@ def _on_body(
         parts.append(-factor * image)
         size += abs(factor) * of_product
     rest = sum(parts, np.zeros_like(elastic))
-    dofs, held = body.support_forces(rest)
-    supports = np.zeros((len(held), *rest.shape))
-    supports[:, dofs] = held
+    dofs, supports = body.constraints.dofs, np.zeros((len(body.supports), *rest.shape))
+    supports[:, dofs] = body.constraints.split(rest[dofs], len(body.supports))
     largest = max(np.linalg.norm(part.sum(axis=0)) for part in (*parts[1:], *supports))
     size += sum(float(np.abs(part).sum()) for part in parts)
     allowed = _BALANCED * float(largest) + _ROUNDING * size

@@ -28,7 +28,7 @@ from scipy.linalg import block_diag, eigh, eigvals, svd
 from cea.arrays import Complexes, Floats
 from cea.contact.contact import Contact
 from cea.contact.interface import along
-from cea.expressions import Expression, evaluate
+from cea.expressions import evaluate
 from cea.matrices import local_part
 from cea.system.coupled import CoupledSystem
 from scenes.running.system import coupled
@@ -146,7 +146,7 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
     copies = len(axes)
     gap = np.vstack([jump(system, contact, np.broadcast_to(n, normal.shape)) for n in axes])
     slip = np.zeros_like(gap)
-    if friction is not None and friction.acts:
+    if friction is not None and contact.has_friction:
         mu = np.broadcast_to(friction.mu, len(points))
         slip = mu[:, None] * jump(system, contact, friction.along(points.x, normal))
     if contact.coupling in ("mortar", "bonded"):
@@ -285,11 +285,8 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
     assert friction is not None
     x, n = points.x, points.normal
     share = 1 / sum(other.pair == contact.pair for other in system.contacts)
-    given = {
-        name: evaluate(Expression(value) if isinstance(value, str) else value, x)
-        for name, value in spec.fields.items()
-        if value is not None
-    }
+    fields = spec.fields.items()
+    given = {name: evaluate(value, x) for name, value in fields if value is not None}
     load = share * points.weight * given["pressure"]
     k = friction.along(x, n)
     along = jump(system, contact, k)

@@ -13,7 +13,7 @@ from cea.contact.friction import Friction
 from cea.contact.interface import default_reach, pair
 from cea.contact.laws import LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError, require
-from cea.expressions import Expression, evaluate
+from cea.expressions import evaluate
 from cea.mesh import Mesh
 from cea.motion import Motion
 from cea.petsc import MPI
@@ -210,7 +210,7 @@ def below(place: str) -> Iterator[None]:
 
 def _values(name: str, field: float | str, x: Floats) -> Floats:
     try:
-        return evaluate(Expression(field) if isinstance(field, str) else field, x)
+        return evaluate(field, x)
     except InputError as error:
         raise InputError(name, error.value, error.allowed) from None
 

@@ -86,13 +86,6 @@ def inspect_scene(scene: Scene) -> Inspection:
     return Inspection(scene, faults, skipped_by(scene), tuple(found), bodies, halves)
 
 
-def gaps(half: Contact) -> np.ndarray:
-    """Return the gaps (m) at all points, positive where the sides are apart; collective."""
-    interface = half.interface
-    found = np.concatenate(interface.comm.allgather(interface.initial_gap))
-    return np.asarray(found + half.added_gap)
-
-
 def told(inspection: Inspection) -> Iterator[str]:
     """Yield the lines of a summary of an inspection; collective."""
     bodies = inspection.scene.bodies.items()
@@ -102,6 +95,6 @@ def told(inspection: Inspection) -> Iterator[str]:
         statuses = ", ".join(f"{n} {s}" for s, n in half.interface.statuses.items() if n)
         yield (
             f"contacts.{name}: {len(half.interface.points)} points ({statuses}), sides up to "
-            f"{np.abs(gaps(half)).max(initial=0.0):.3g} m apart"
+            f"{np.abs(half.initial_gap).max(initial=0.0):.3g} m apart"
         )
     yield f"{'' if inspection.bodies else 'about '}{inspection.dofs} unknowns"

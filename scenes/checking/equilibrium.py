@@ -25,7 +25,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
-from cea.body.space import StraightCells
+from cea.body.space import VolumeCells
 from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
 from cea.errors import ResultWarning
@@ -61,7 +61,7 @@ _ENOUGH = 20.0
 def motion_warnings(scene: Scene, system: CoupledSystem, x: Any) -> Warnings:
     """Warn of displacements larger than the body and of strains too large for linear elasticity."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
-        full = system.displacement(x, name, everywhere=False)
+        full = system.displacement(x, name)
         cells = body.space.volume_cells().straight()
         found = made_on_first(body.comm, partial(_motion, cells, full))
         motion, length, strain = body.comm.bcast(found)
@@ -75,7 +75,7 @@ def motion_warnings(scene: Scene, system: CoupledSystem, x: Any) -> Warnings:
             yield warning("large-strain", told, body=name, strain=strain)
 
 
-def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
+def _motion(sample: VolumeCells, full: Floats) -> tuple[float, float, float]:
     """Return the largest displacement (m), length of the body (m) and largest mean cell strain."""
     u = sample.values @ full.reshape(-1, sample.points.shape[1])
     x, moved = sample.points[sample.cells], u[sample.cells]

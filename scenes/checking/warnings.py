@@ -20,11 +20,11 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.body.space import StraightCells
+from cea.body.space import VolumeCells
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
 from cea.errors import ResultWarning
-from cea.expressions import Expression, evaluate
+from cea.expressions import evaluate
 from cea.motion import Rotation
 from cea.ranks import agreed, made_on_first
 from meshes.mesh_file import MeshFile
@@ -51,11 +51,11 @@ _FLAT = 1e-12
 """Volume of a simplex, relative to its radius to the power dim, below which it is degenerate."""
 _SIMPLICES = {
     (2, 3): [[0, 1, 2]],
-    (2, 4): [[0, 1, 2], [0, 2, 3]],
+    (2, 4): [[0, 2, 3], [0, 3, 1]],
     (3, 4): [[0, 1, 2, 3]],
-    (3, 8): [[0, 6, i, j] for i, j in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
+    (3, 8): [[0, 7, i, j] for i, j in ((4, 6), (6, 2), (2, 3), (3, 1), (1, 5), (5, 4))],
 }
-"""Corners of the simplices of a cell, by dimension and number of points of the cell (VTK order)."""
+"""Corners of the simplices of a cell, by dimension and number of points of the cell."""
 _SURFACE_WAVES = 0.8
 """Speed, relative to shear waves, above which a rim may outrun surface waves: Rayleigh waves travel
 at 0.87 (nu = 0) to 0.96 (nu = 0.5), short waves of a mesh slightly slower."""
@@ -174,11 +174,11 @@ def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
             yield warning("bodies-overlap", told, body=one, other=other, elements=cells)
 
 
-def _middles_inside(one: StraightCells, other: StraightCells) -> int:
+def _middles_inside(one: VolumeCells, other: VolumeCells) -> int:
     return _inside(one, other) + _inside(other, one)
 
 
-def _inside(one: StraightCells, other: StraightCells) -> int:
+def _inside(one: VolumeCells, other: VolumeCells) -> int:
     """Count the cells of ``one`` whose midpoint is inside a straight cell of ``other``."""
     middles = one.points[one.cells].mean(axis=1)
     dim = middles.shape[1]
@@ -408,7 +408,7 @@ def mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
     if spec.c_n is not None:
         return sum(half.P for half in halves) / area
     if isinstance(spec.p, str):
-        return float(points.weight @ evaluate(Expression(spec.p), points.x)) / area
+        return float(points.weight @ evaluate(spec.p, points.x)) / area
     return spec.p if spec.p is not None else (spec.P or 0.0) / area
 
 

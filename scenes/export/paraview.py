@@ -13,7 +13,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 from cea.arrays import Floats
 from cea.contact.contact import Contact, approach_along, jump_operator
 from cea.eigen.block_products import times
-from cea.files import folder_whole, write_whole
+from cea.files import write_whole
 from cea.matrices import destroy
 from cea.system.steady_state import ContactState
 from scenes.pictures.grids import cell_grid, in_space
@@ -99,23 +99,21 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
     empty list if the scene has no load steps.
     """
     path = result.steady.path if result.steady is not None else ()
-    steps = [(step.factor, step.state) for step in path if step.state is not None]
+    steps = [(s.factor, s.displacement, s.contacts) for s in path if s.displacement is not None]
     if not steps:
         return []
-    frames = [_Frame(f, f"step_{i}", {"load": f}) for i, (f, _) in enumerate(steps, start=1)]
+    frames = [_Frame(f, f"step_{i}", {"load": f}) for i, (f, *_) in enumerate(steps, start=1)]
     grids: dict[str, tuple[Any, _Fields]] = {}
     for name, body in result.bodies.items():
         cells, shapes = body.space.volume_cells(), []
-        for factor, state in steps:
-            x = state.displacement.array_r[:, None].astype(complex)
+        for factor, displacement, _ in steps:
+            x = displacement.array_r[:, None].astype(complex)
             where = result.system, name, cells.values, x
             shapes.append(displacements(*where, prescribed=factor, everywhere=False).real)
         grid = cell_grid(cells) if result.comm.rank == 0 else None
         grids[name] = grid, {"displacement": np.concatenate(shapes, axis=-1)}
     for contact in result.system.contacts:
-        carried = [
-            _carried(s.contacts[contact.name]) for _, s in steps if contact.name in s.contacts
-        ]
+        carried = [_carried(states[contact.name]) for *_, states in steps if contact.name in states]
         if carried:
             fields = {n: np.stack([each[n] for each in carried], axis=-1) for n in carried[0]}
             grids[contact.name] = _points(contact), fields
@@ -130,23 +128,22 @@ def _mode_frame(result: Result, mode: int) -> _Frame:
 def _write(
     file: Path, result: Result, frames: list[_Frame], grids: Mapping[str, tuple[Any, _Fields]]
 ) -> Path:
-    """Write a ``.pvd`` file and a folder with a file for each grid and frame, on rank 0."""
+    """Write a folder with a file for each grid and frame, then a ``.pvd`` file, on rank 0."""
     if result.comm.rank:
         return file
     root = Element("VTKFile", type="Collection", version="1.0")
     collection = SubElement(root, "Collection")
-    with folder_whole(file.with_suffix("")) as folder:
-        for i, frame in enumerate(frames):
-            for part, (label, (grid, fields)) in enumerate(grids.items()):
-                for fact, value in frame.facts.items():
-                    grid.field_data[fact] = [value]
-                for field, values in fields.items():
-                    grid.point_data.update(_parts(field, values[..., i]))
-                # Names of bodies and contacts may contain any characters.
-                name = f"{frame.stem}_{quote(label, safe=' ,')}.vtu"
-                _write_grid(grid, folder / name)
-                place = {"timestep": str(frame.time), "part": str(part)}
-                SubElement(collection, "DataSet", place | {"file": f"{file.stem}/{name}"})
+    for i, frame in enumerate(frames):
+        for part, (label, (grid, fields)) in enumerate(grids.items()):
+            for fact, value in frame.facts.items():
+                grid.field_data[fact] = [value]
+            for field, values in fields.items():
+                grid.point_data.update(_parts(field, values[..., i]))
+            # Names of bodies and contacts may contain any characters.
+            name = f"{frame.stem}_{quote(label, safe=' ,')}.vtu"
+            _write_grid(grid, file.with_suffix("") / name)
+            place = {"timestep": str(frame.time), "part": str(part)}
+            SubElement(collection, "DataSet", place | {"file": f"{file.stem}/{name}"})
     indent(root)
     return write_whole(tostring(root, encoding="utf-8", xml_declaration=True), file)
 

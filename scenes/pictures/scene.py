@@ -7,7 +7,7 @@ import pyvista
 
 from cea.files import write_whole
 from cea.petsc import MPI
-from scenes.checking.check import Inspection, gaps
+from scenes.checking.check import Inspection
 from scenes.pictures.drawing import SUBDIVISIONS, bar, picture, png, view_of
 from scenes.pictures.grids import in_space, outside, sharp_edges
 
@@ -30,7 +30,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
     their points coloured by the gap, and arrows of the friction direction on side a.
     """
     cells = [body.space.volume_cells() for body in inspection.bodies.values()]
-    distances = {name: gaps(half) for name, half in inspection.halves.items()}
+    distances = {name: half.initial_gap for name, half in inspection.halves.items()}
     if MPI.COMM_WORLD.rank > 0:
         return Path(file)
     surfaces = [outside(each, {}, SUBDIVISIONS) for each in cells]

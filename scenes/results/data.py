@@ -183,9 +183,9 @@ def _steady_data(steady: "SteadySliding") -> dict[str, Any]:
 
 def _step_data(step: "LoadStep") -> dict[str, Any]:
     data = {"load": step.factor, **_picked(step, "residuals", "closed", "parity")}
-    if step.state is None:
+    if step.displacement is None:
         return data
-    contacts = {name: _contact_data(state) for name, state in step.state.contacts.items()}
+    contacts = {name: _contact_data(state) for name, state in step.contacts.items()}
     return data | {"iterations": len(step.lengths), "contacts": contacts}
 
 

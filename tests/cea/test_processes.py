@@ -14,7 +14,7 @@ from scipy.sparse import csr_array, diags_array, kronsum
 
 from cea.eigen.mumps import Mumps, factors_on_disk, folder_of_factors
 from cea.errors import ConvergenceError, InputError, WriteError
-from cea.files import folder_whole, write_whole
+from cea.files import write_whole
 from cea.matrices import distributed
 from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
@@ -36,21 +36,12 @@ def names(folder):
     return sorted(each.name for each in folder.iterdir())
 
 
-def test_a_folder_takes_the_place_of_another_whole_or_stays_as_it_was(tmp_path):
-    folder = tmp_path / "modes"
-
-    def fill(name, size):
-        with folder_whole(folder) as part:
-            write_whole(name.encode(), part / name)
-            write_whole(b"x" * size, part / "large.vtu")
-
-    for name in ("1.vtu", "2.vtu"):
-        fill(name, 10)
+def test_a_full_disk_leaves_a_file_as_it_was(tmp_path):
+    file = write_whole(b"1", tmp_path / "modes.vtu")
     with full_disk(1000), pytest.raises(WriteError, match=r"cannot be written: File too l"):
-        fill("3.vtu", 5000)
-    assert names(folder) == ["2.vtu", "large.vtu"]
-    assert (folder / "2.vtu").read_bytes() == b"2.vtu"
-    assert names(tmp_path) == ["modes"]
+        write_whole(b"x" * 5000, file)
+    assert file.read_bytes() == b"1"
+    assert names(tmp_path) == ["modes.vtu"]
 
 
 WRITER = """

@@ -150,4 +150,4 @@ def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
     for given in (patch, turned(patch, (0, 1, 2), 1)):
         cells = joined(given, degree=(2, 1, 1)).space.volume_cells().straight()
         corners = cells.points[cells.cells]
-        assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0
+        assert np.linalg.det(corners[:, [4, 2, 1]] - corners[:, :1]).min() > 0
