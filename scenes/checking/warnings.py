@@ -159,7 +159,7 @@ def doubtful_numbers(scene: Scene, _bodies: Bodies | None = None) -> Warnings:
 
 def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
     """Warn of overlapping bodies without a contact; collective."""
-    joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
+    joined = [{body for body, _ in contact.sides} for contact in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
     names = dict.fromkeys(name for pair in pairs for name in pair)  # in one order on all ranks
     samples = {name: bodies[name].space.volume_cells().straight() for name in names}
@@ -377,7 +377,7 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
 
 def limit_of(scene: Scene, spec: ContactSpec) -> float:
     """Return the relative stiffness below which collocation, or above which lumping, is poor."""
-    side, rule = scene.bodies[spec.a.split(".")[0]], spec.formulation
+    side, rule = scene.bodies[spec.sides[0][0]], spec.formulation
     if rule.coupling == "lumped":
         return _LUMPED[side.backend, side.dim]
     weights = getattr(rule, "weights", "")

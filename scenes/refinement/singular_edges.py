@@ -59,7 +59,7 @@ def singular_edges(scene: Scene, name: str) -> SingularEdges:
         if clamped and support.components != ("normal",):
             faces.append(support.surface)
     for contact in scene.contacts.values():
-        owner, _, surface = contact.a.partition(".")
+        owner, surface = contact.sides[0]
         if owner == name and _is_stiff(scene, contact):
             faces.append(surface)
     found = [edge for face in faces for edge in _edges(body, face)]
@@ -80,7 +80,7 @@ def _ranges(shape: Shape) -> dict[str, tuple[float, float]]:
 
 def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
     """Whether a contact is nearly rigid; assumed if its stiffness is not a number."""
-    bodies = [scene.bodies[side.partition(".")[0]] for side in (contact.a, contact.b)]
+    bodies = [scene.bodies[name] for name, _ in contact.sides]
     lengths = sorted(bodies[0].lengths)
     p = contact.p
     if contact.P is not None:  # divided by the approximate area of the largest face
@@ -121,8 +121,8 @@ def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[Edge]:
     """
     body = scene.bodies[name]
     for contact in scene.contacts.values():
-        owner, _, surface = contact.b.partition(".")
-        other = scene.bodies[contact.a.partition(".")[0]]
+        (name_of_a, _), (owner, surface) = contact.sides
+        other = scene.bodies[name_of_a]
         face = body.faces.get(surface) if owner == name else None
         if face is None or not _aligned(body, other) or (stiff and not _is_stiff(scene, contact)):
             continue

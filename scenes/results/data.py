@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError, ResultWarning
-from scenes.spec.plain import as_data
+from scenes.spec.plain import plain_data
 
 if TYPE_CHECKING:
     from cea.system.steady_state import ContactState, LoadStep, SteadySliding
@@ -118,7 +118,7 @@ def _picked(of: Any, *names: str) -> dict[str, Any]:
 def _described_run(result: Any) -> dict[str, Any]:
     """Return the data that every run has: scene, unknowns, times, contact points, reactions."""
     data: dict[str, Any] = {
-        "scene": as_data(result.scene),
+        "scene": plain_data(result.scene),
         "dofs": {"free": result.dofs},
         "timings": dict(result.timer.seconds),
         "seconds": result.timer.total,

@@ -14,11 +14,10 @@ from typing import Any, ClassVar, Literal
 from pydantic import ConfigDict, TypeAdapter
 
 from cea.eigen.coefficients import Parameter
-from cea.errors import InputError
 from cea.expressions import RESERVED, Formula
 from scenes.spec.consistency import LARGEST, SMALLEST, check_no_steady_state, check_scene_name
 from scenes.spec.plain import OF_MATRICES, changed, checked, scene_file, set_fields, tables_of
-from scenes.spec.problems import Faults, SceneError
+from scenes.spec.problems import Faults, refuse
 from scenes.spec.reading import ComplexEigenvalueAnalysis
 
 Role = Literal["mass", "damping", "stiffness"]
@@ -130,8 +129,7 @@ def load_matrices(
     """
     tables, folder = tables_of(scene), scene_file(scene).parent
     if "bodies" in tables and "files" not in tables:
-        allowed = "a scene of matrices; one of bodies is read by load_scene"
-        raise SceneError([InputError("scene", str(scene), allowed)])
+        refuse("scene", str(scene), "a scene of matrices; one of bodies is read by load_scene")
     comes_with_the_project = folder == OF_MATRICES
     if not comes_with_the_project and isinstance(tables.get("data", ""), str):
         tables["data"] = str(folder / tables.get("data", ""))
@@ -140,8 +138,8 @@ def load_matrices(
     set_fields(tables, overrides)
     read = read_matrix_scene(tables)
     if comes_with_the_project and not read.data:
-        allowed = f"the folder of {', '.join(read.files.values())}, which do not come with it"
-        raise SceneError([InputError("data", None, allowed)])
+        files = ", ".join(read.files.values())
+        refuse("data", None, f"the folder of {files}, which do not come with it")
     return read
 
 

@@ -18,7 +18,7 @@ from scenes.spec.body import Backend, BodySpec, LoadSpec
 from scenes.spec.consistency import consistent
 from scenes.spec.contact import ContactSpec
 from scenes.spec.plain import changed, checked, scene_file, tables_of
-from scenes.spec.problems import SceneError
+from scenes.spec.problems import refuse
 
 MAX_STEPS = 1000
 """Largest number of load steps."""
@@ -244,8 +244,7 @@ def load_scene(
     """
     data = tables_of(scene, overrides)
     if "files" in data and "bodies" not in data:
-        allowed = "a scene of bodies; one of matrices is read by load_matrices"
-        raise SceneError([InputError("scene", str(scene), allowed)])
+        refuse("scene", str(scene), "a scene of bodies; one of matrices is read by load_matrices")
     bodies = data.get("bodies")
     for body in bodies.values() if isinstance(bodies, dict) else ():
         if isinstance(body, dict):
