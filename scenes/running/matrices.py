@@ -9,7 +9,7 @@ from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from scenes.checking.skipped import GIVEN
-from scenes.matrices.pencil import Piece, check_mass, matrix_pencil, read_pieces
+from scenes.matrices.reading import Piece, check_mass, matrix_pencil, read_pieces
 from scenes.results.result import Result
 from scenes.spec.matrices import ROLES, MatrixScene
 

@@ -1,10 +1,9 @@
 """Error estimates of eigenvalues in a richer space: a higher degree or bisected elements."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
-from cea.body import Body
 from cea.eigen.pencil import release
 from cea.errors import InputError, require
 from cea.matrices import destroy
@@ -24,11 +23,6 @@ Enrichment = Literal["degree", "bisection", "smooth"]
 
 _HIGHEST = {"fe": 4, "iga": 8}
 """Highest degree of each backend."""
-
-
-def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Any:
-    """Return the prolongation of free displacements from coarse to fine bodies; collective."""
-    return of_system([of_body(coarse[name], fine[name]) for name in fine])
 
 
 def estimate_errors(
@@ -72,7 +66,8 @@ def estimate_errors(
     system, timer = coupled(scene, bodies=same, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
-        step = prolongation(result.bodies, system.bodies)
+        bodies = system.bodies.items()
+        step = of_system([of_body(result.bodies[name], body) for name, body in bodies])
     try:
         with timer("krylov"), factors_of(scene):
             return error_estimate(result.modes, matrices, step, steps=steps)
