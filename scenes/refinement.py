@@ -250,12 +250,14 @@ def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[Edge]:
     Only those of stiff contacts if ``stiff``, else all. They are found only if both bodies have the
     default placement and the same directions.
     """
-    body = scene.bodies[name]
+    body, as_shaped = scene.bodies[name], Placement()
     for contact in scene.contacts.values():
         (name_of_a, _), (owner, surface) = contact.sides
         other = scene.bodies[name_of_a]
         face = body.faces.get(surface) if owner == name else None
-        if face is None or not _aligned(body, other) or (stiff and not _is_stiff(scene, contact)):
+        aligned = body.geometry.directions == other.geometry.directions
+        aligned = aligned and body.placement == other.placement == as_shaped
+        if face is None or not aligned or (stiff and not _is_stiff(scene, contact)):
             continue
         at, theirs = (face.direction, face.at), _ranges(other.geometry)
         for direction, (low, high) in _ranges(body.geometry).items():
@@ -264,12 +266,6 @@ def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[Edge]:
             for coordinate in () if closed or direction == face.direction else theirs[direction]:
                 if low + margin < coordinate < high - margin:
                     yield at, (direction, coordinate)
-
-
-def _aligned(body: BodySpec, other: BodySpec) -> bool:
-    """Whether two bodies have the default placement and the same coordinate directions."""
-    as_shaped = all(each.placement == Placement() for each in (body, other))
-    return as_shaped and body.geometry.directions == other.geometry.directions
 
 
 def _re_entrant(shape: Shape) -> Iterator[Edge]:

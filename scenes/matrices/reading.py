@@ -14,6 +14,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array
 
 from cea.arrays import Ints
+from cea.eigen.coefficients import Parameter
 from cea.eigen.mumps import inertia
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
@@ -125,7 +126,8 @@ def matrix_pencil(scene: MatrixScene, pieces: Mapping[str, Piece]) -> Pencil:
         some: Any = terms[0].matrix
         rows, columns = some.getSizes()
         terms.append(Term("stiffness", zeros(rows, columns, some.comm)))
-    return Pencil(terms, scene.of_pencil())
+    signed = [Parameter(path, value, signed=True) for path, value in scene.values.items()]
+    return Pencil(terms, signed)
 
 
 def check_mass(mass: Any, names: str) -> None:

@@ -104,26 +104,20 @@ def richer_scene(scene: Scene, by: Enrichment | None = "degree") -> Scene:
     if by not in (None, *get_args(Enrichment)):
         raise InputError("by", by, " or ".join(map(repr, get_args(Enrichment))))
     bodies = {
-        name: replace(body, mesh=_mesh(f"bodies.{name}.mesh", body, by or _way(body)))
+        name: replace(body, mesh=_enriched(f"bodies.{name}.mesh", body, by))
         for name, body in scene.bodies.items()
     }
     return replace(scene, bodies=bodies)
 
 
-def _way(body: BodySpec) -> Enrichment:
-    highest = _degree(body) >= _HIGHEST[body.backend]
-    if body.division is not None and body.division.elements and (body.dim == 2 or highest):
-        return "bisection"
-    return "smooth" if body.backend == "iga" else "degree"
-
-
-def _degree(body: BodySpec) -> int:
-    mesh = body.division
-    return max(mesh.degree) if isinstance(mesh, IgaMesh) else body.fe_degree or 0
-
-
-def _mesh(field: str, body: BodySpec, by: Enrichment) -> MeshSpec:
-    mesh, degree, highest = body.division, _degree(body), _HIGHEST[body.backend]
+def _enriched(field: str, body: BodySpec, by: Enrichment | None) -> MeshSpec:
+    """Return the mesh of a body with its space enriched; ``field`` is the path of the mesh."""
+    mesh, highest = body.division, _HIGHEST[body.backend]
+    degree = max(mesh.degree) if isinstance(mesh, IgaMesh) else body.fe_degree or 0
+    if by is None:
+        by = "smooth" if body.backend == "iga" else "degree"
+        if mesh is not None and mesh.elements and (body.dim == 2 or degree >= highest):
+            by = "bisection"
     if by == "smooth" and body.backend == "fe":
         raise InputError("by", by, "'degree' or 'bisection' for Lagrange elements")
     if by != "bisection" and degree >= highest:

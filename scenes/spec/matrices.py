@@ -13,7 +13,6 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict, TypeAdapter
 
-from cea.eigen.coefficients import Parameter
 from cea.expressions import RESERVED, Formula
 from scenes.spec.consistency import LARGEST, SMALLEST, check_no_steady_state, check_scene_name
 from scenes.spec.plain import OF_MATRICES, changed, checked, scene_file, set_fields, tables_of
@@ -95,10 +94,6 @@ class MatrixScene:
         names = {name: f"{PARAMETERS}.{name}" for name in self.parameters}
         found: Mapping[str, float | str] = getattr(self, role)
         return {m: _formula(value, names, f"{role}.{m}") for m, value in found.items()}
-
-    def of_pencil(self) -> list[Parameter]:
-        """Return the parameters of the pencil; they may have either sign."""
-        return [Parameter(path, value, signed=True) for path, value in self.values.items()]
 
     def file(self, matrix: str) -> tuple[Path, str | None]:
         """Return the file of a matrix, and the variable in it."""

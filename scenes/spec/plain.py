@@ -206,7 +206,7 @@ def scene_file(scene: str | Path) -> Path:
     if os.sep in text or "/" in text or text.endswith(".toml"):
         return Path(scene)
     of_matrices = OF_MATRICES / f"{text}.toml"
-    return of_matrices if text in matrix_scene_names() else SCENES / f"{text}.toml"
+    return of_matrices if of_matrices.is_file() else SCENES / f"{text}.toml"
 
 
 def is_of_matrices(scene: str | Path) -> bool:
