@@ -96,13 +96,11 @@ def _plain(value: Any) -> Any:
 
 
 def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
-    """Yield the names and values of nested tables and lists, each with its path."""
+    """Yield the values of nested tables and lists, each with its path."""
     if not isinstance(data, Mapping | list | tuple):
         yield place, data
         return
     for name, part in data.items() if isinstance(data, Mapping) else enumerate(data):
-        if isinstance(data, Mapping):
-            yield place, name
         yield from leaves(part, f"{place}.{name}".removeprefix("scene."))
 
 
