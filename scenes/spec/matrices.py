@@ -7,11 +7,10 @@ The A_j are read from files; the c_j are numbers or arithmetic expressions in th
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from pydantic import ConfigDict, TypeAdapter
+from pydantic import ConfigDict
 
 from cea.expressions import RESERVED, Formula
 from scenes.spec.consistency import LARGEST, SMALLEST, check_no_steady_state, check_scene_name
@@ -146,14 +145,9 @@ def read_matrix_scene(data: Mapping[str, Any]) -> MatrixScene:
     SceneError
         With one line for each fault.
     """
-    scene = checked(_adapter(), data)
+    scene = checked(MatrixScene, data)
     _checks(scene).refuse()
     return scene
-
-
-@cache
-def _adapter() -> TypeAdapter[MatrixScene]:
-    return TypeAdapter(MatrixScene)
 
 
 def _checks(scene: MatrixScene) -> Faults:

@@ -4,7 +4,7 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path, PurePath
@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from cea.contact.formulations import Formulation, registered
 from cea.errors import did_you_mean
 from cea.files import regular
 from scenes.spec.problems import SceneError, problems, refuse
@@ -46,18 +47,25 @@ _BY_NAME = ("bodies", "contacts")
 """Tables in which setting a field does not create a new entry: its name would be a misspelling."""
 
 
-def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
-    """Validate nested dictionaries; raise a SceneError with all faults."""
+def checked[T: Hashable](kind: type[T], data: Mapping[str, Any]) -> T:
+    """Validate nested dictionaries as a kind of scene; raise a SceneError with all faults."""
     content = _json(data)
+    adapter = _adapter(kind, tuple(registered().values()))
     try:
-        return kind.validate_json(content)
+        scene: T = adapter.validate_json(content)
     except ValidationError as error:
-        raise SceneError(problems(error, json.loads(content), _schema(kind))) from error
+        raise SceneError(problems(error, json.loads(content), _schema(adapter))) from error
+    return scene
 
 
 @cache
-def _schema(kind: TypeAdapter[Any]) -> dict[str, Any]:
-    return kind.json_schema()
+def _adapter(kind: type, _formulations: tuple[type[Formulation], ...]) -> TypeAdapter[Any]:
+    return TypeAdapter(kind)
+
+
+@cache
+def _schema(adapter: TypeAdapter[Any]) -> dict[str, Any]:
+    return adapter.json_schema()
 
 
 def plain_data(value: Any, place: str = "scene") -> Any:

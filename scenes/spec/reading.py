@@ -5,14 +5,12 @@ A scene consists of frozen dataclasses, each of which validates its own fields.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, TypeAdapter
+from pydantic import ConfigDict, Field
 
-from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError, require
 from scenes.spec.body import Backend, BodySpec, LoadSpec
 from scenes.spec.consistency import consistent
@@ -264,9 +262,4 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
     SceneError
         With one line for each fault. Fields are checked against each other only if each is valid.
     """
-    return consistent(checked(_adapter(tuple(registered().values())), data))
-
-
-@cache
-def _adapter(formulations: tuple[type[Formulation], ...]) -> TypeAdapter[Scene]:
-    return TypeAdapter(Scene)
+    return consistent(checked(Scene, data))
