@@ -145,13 +145,8 @@ def read_matrix_scene(data: Mapping[str, Any]) -> MatrixScene:
     SceneError
         With one line for each fault.
     """
-    scene = checked(MatrixScene, data)
-    _checks(scene).refuse()
-    return scene
-
-
-def _checks(scene: MatrixScene) -> Faults:
-    faults, analysis = Faults(), scene.analysis
+    scene, faults = checked(MatrixScene, data), Faults()
+    analysis = scene.analysis
     check_scene_name(faults, scene.name)
     top, allowed = analysis.max_frequency, f"{SMALLEST:g} to {LARGEST:g} (Hz)"
     faults.require(SMALLEST <= top <= LARGEST, "analysis.max_frequency", top, allowed)
@@ -167,7 +162,8 @@ def _checks(scene: MatrixScene) -> Faults:
     faults.of(lambda: scene.values)
     if len(faults) == before:
         _sum_checks(faults, scene)
-    return faults
+    faults.refuse()
+    return scene
 
 
 def _sum_checks(faults: Faults, scene: MatrixScene) -> None:
