@@ -32,7 +32,7 @@ def check(
     if isinstance(chosen, Scene):
         _check_bodies(chosen, out / f"{Path(scene).stem}.png" if picture else None)
     else:
-        from scenes.matrices.pencil import matrix_pencil, read_pieces
+        from scenes.matrices.reading import matrix_pencil, read_pieces
 
         pieces = read_pieces(chosen)
         matrix_pencil(chosen, pieces)

@@ -20,7 +20,7 @@ from comparisons.study.session import Progress
 from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
 from scenes.checking.memory import check_memory, dofs_of
-from scenes.refinement.meshes import (
+from scenes.refinement import (
     Resolution,
     from_file,
     has_singular_edges,

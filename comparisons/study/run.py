@@ -18,7 +18,7 @@ from comparisons.study.session import Progress, Session
 from comparisons.study.study import CHOOSES, Case, Study, evaluated
 from comparisons.study.worker import Computed, workers
 from scenes.results.record import commit, read_record, record, write_record
-from scenes.spec.plain import as_data
+from scenes.spec.plain import plain_data
 
 _DIRTY = "-dirty"
 
@@ -94,7 +94,7 @@ def run(
 
 def key_of(study: Study, options: Any, labels: Any) -> str:
     """Digest of everything that a case depends on, except the program."""
-    scene = as_data(study.scene(labels, options)) if study.scene else None
+    scene = plain_data(study.scene(labels, options)) if study.scene else None
     given = asdict(options)
     for each in fields(options):
         if each.metadata == CHOOSES:

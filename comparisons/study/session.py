@@ -8,7 +8,7 @@ import numpy as np
 
 from comparisons.study.shapes import Shapes, by_importance, mode_rows
 from scenes import Result, run_scene
-from scenes.spec.plain import as_data
+from scenes.spec.plain import plain_data
 from scenes.spec.reading import Scene
 
 _REMEMBERED = 2  # results whose bodies are reused: cases often alternate between two backends
@@ -66,7 +66,7 @@ class Session:
         """Record size, times, warnings and omissions of a run; :meth:`solve` calls it."""
         self.runs.append(
             {
-                "scene": as_data(result.scene),
+                "scene": plain_data(result.scene),
                 "dofs": result.dofs,
                 "stages": dict(result.timer.seconds),
                 "skipped": dict(result.skipped),

@@ -23,7 +23,7 @@ from cea.petsc import Mat
 from cea.reduced.model import Snapshot
 from comparisons.sweep.scene import SweptScene
 from scenes.results.record import as_json
-from scenes.spec.plain import as_data
+from scenes.spec.plain import plain_data
 
 _ABOUT = "sweep.json"
 
@@ -92,7 +92,7 @@ def fingerprint(scene: SweptScene) -> list[str]:
     for each in pencil.forces:
         matrices += [each.closure, each.compliance, *filter(None, [each.slip])]
     norms = [_products(matrix) for matrix in matrices]
-    given = sha256(as_json(as_data(scene.assembled.scene)).encode()).hexdigest()
+    given = sha256(as_json(plain_data(scene.assembled.scene)).encode()).hexdigest()
     fixed = [f"{each.name} {each.value!r}" for each in pencil.parameters.values()]
     return [f"program {__version__}", f"scene {given}", *fixed, *norms]
 

@@ -87,28 +87,28 @@ def build_body(
         space = NurbsSpace(shape.patches, shape.faces, mesh.degree, continuity=c, field=field)
     else:
         raise InputError(f"{field}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
-    places = [((each.surface or "").partition(".")[2], each) for each in loads]
-    forces = [(place or None, each.force or each.body_force) for place, each in places]
+    applied = [each.applied for each in loads]
     return Body(
         name,
         space,
         spec.material,
         supports=spec.supports,
         springs=spec.springs,
-        pressures=[Pressure(at, each.pressure) for at, each in places if each.pressure is not None],
-        forces=[Force(force, at) for at, force in forces if force is not None],
+        pressures=[each for each in applied if isinstance(each, Pressure)],
+        forces=[each for each in applied if isinstance(each, Force)],
     )
 
 
 def used_surfaces(scene: Scene, body: str) -> list[str]:
     """Return the surfaces of a body that supports, springs, loads and contacts use."""
     spec = scene.bodies[body]
-    places = [load.surface for load in scene.loads if load.surface is not None]
-    places += [side for contact in scene.contacts.values() for side in (contact.a, contact.b)]
-    own = [place.partition(".")[2] for place in places if place.partition(".")[0] == body]
-    held = [support.surface for support in spec.supports]
-    held += [spring.surface for spring in spec.springs]
-    return list(dict.fromkeys([*held, *own]))
+    used = [support.surface for support in spec.supports]
+    used += [spring.surface for spring in spec.springs]
+    applied = [load.applied.surface for load in scene.loads if load.on == body]
+    used += [surface for surface in applied if surface is not None]
+    for contact in scene.contacts.values():
+        used += [surface for name, surface in contact.sides if name == body]
+    return list(dict.fromkeys(used))
 
 
 def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
@@ -148,24 +148,24 @@ def build_contacts(scene: Scene, bodies: Mapping[str, Body], timer: StageTimer) 
 
 def half_passes(name: str, spec: ContactSpec, bodies: Mapping[str, Body]) -> list[Contact]:
     """Return the half pass of a contact with points on side a; in a full pass, also on side b."""
-    sides = [(spec.a, spec.b), (spec.b, spec.a)] if spec.full_pass else [(spec.a, spec.b)]
-    return [_half_pass(name, spec, bodies, *each) for each in sides]
+    passes = (False, True) if spec.full_pass else (False,)
+    return [_half_pass(name, spec, bodies, reverse=each) for each in passes]
 
 
 def _half_pass(
-    name: str, spec: ContactSpec, bodies: Mapping[str, Body], side_a: str, side_b: str
+    name: str, spec: ContactSpec, bodies: Mapping[str, Body], *, reverse: bool
 ) -> Contact:
     """Return a half pass with stiffness and friction; P is distributed uniformly over its points.
 
     Points of the larger side of a full pass that have no opposite point are dropped.
     """
-    (body_a, _, on_a), (body_b, _, on_b) = side_a.partition("."), side_b.partition(".")
+    (body_a, on_a), (body_b, on_b) = reversed(spec.sides) if reverse else spec.sides
     a, b = bodies[body_a].surfaces[on_a], bodies[body_b].surfaces[on_b]
     rule = spec.formulation.points_on(a, b, spec.reach or default_reach(a, b))
     missed = 1.0 if spec.full_pass and a.area > b.area else spec.max_missed
     field = f"contacts.{name}"
     interface = pair(a, b, rule, field=field, reach=spec.reach, max_missed=missed)
-    points, share, reverse = interface.points, 0.5 if spec.full_pass else 1.0, side_a != spec.a
+    points, share = interface.points, 0.5 if spec.full_pass else 1.0
     with below(field):
         law: NormalLaw
         if spec.law is not None:

@@ -19,7 +19,7 @@ directions add up. At p W / E = 1e7 mortar with 20 functions across the zone had
 
 from collections.abc import Iterator
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -143,32 +143,14 @@ def _geometry_error(
         yield warning("geometry-error", told, **about, geometry_error=of_gaps, relative=relative)
 
 
-class ClosedZone(NamedTuple):
-    """The largest circle inside the closed part of a contact; an interval in the plane.
+def _closed_zone(x: Floats, closure: Floats) -> tuple[float, Floats, Floats] | None:
+    """Return the largest circle inside the closed part of a contact; an interval in the plane.
 
-    Fields are its diameter (m), the unit vector from its centre to the nearest open point, and the
-    closed points inside. A zone that ends at the boundary of the contact, e.g. at a plane of
-    symmetry, is treated as if it continued symmetrically beyond it.
+    Returns its diameter (m), the unit vector from its centre to the nearest open point, and the
+    closed points inside; None if all points are closed, or all open. A zone that ends at the
+    boundary of the contact, e.g. at a plane of symmetry, is treated as if it continued
+    symmetrically beyond it.
     """
-
-    width: float
-    across: Floats
-    points: Floats
-
-    def elements(self, surface: Surface) -> float:
-        """Return the number of elements (knot spans or facets) of a side across the zone."""
-        cells = surface.cells()
-        count, corners = cells.corners.shape[:2]
-        at = SurfaceCoordinates(
-            np.repeat(cells.element, corners), cells.corners.reshape(count * corners, -1)
-        )
-        x = surface.position(at).reshape(count, corners, -1)
-        _, nearest = KDTree(x.mean(axis=1)).query(self.points)
-        return self.width / float(np.ptp(x @ self.across, axis=1)[nearest].mean())
-
-
-def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
-    """Return the closed zone of a contact; None if all points are closed, or all open."""
     closed, still_open = x[closure > 0], x[closure <= 0]
     if not len(closed) or not len(still_open):
         return None
@@ -177,7 +159,19 @@ def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
     radius = float(distance[inmost])
     across = (still_open[nearest[inmost]] - closed[inmost]) / radius
     within = np.linalg.norm(closed - closed[inmost], axis=1) <= radius
-    return ClosedZone(2 * radius, across, closed[within])
+    return 2 * radius, across, closed[within]
+
+
+def _mean_size(surface: Surface, points: Floats, across: Floats) -> float:
+    """Return the mean extent (m) along a direction of the elements of a side at points."""
+    cells = surface.cells()
+    count, corners = cells.corners.shape[:2]
+    at = SurfaceCoordinates(
+        np.repeat(cells.element, corners), cells.corners.reshape(count * corners, -1)
+    )
+    x = surface.position(at).reshape(count, corners, -1)
+    _, nearest = KDTree(x.mean(axis=1)).query(points)
+    return float(np.ptp(x @ across, axis=1)[nearest].mean())
 
 
 def _coarse_closed_zone(
@@ -185,21 +179,22 @@ def _coarse_closed_zone(
 ) -> Warnings:
     """Warn of a closed zone inside a contact with too few elements across for its law."""
     interface = contact.interface
-    zone = closed_zone(interface.points.x, state.closure)
+    zone = _closed_zone(interface.points.x, state.closure)
     if zone is None:
         return
+    width, across, points = zone
     force = interface.points.weight * state.pressure
     stiffness = halves * float(force @ state.stiffness / force.sum())
     sides = []
     for name, surface in ((contact.a, interface.a), (contact.b, interface.b)):
         body = scene.bodies[name]
-        relative = stiffness * zone.width / body.material.means[0]
+        relative = stiffness * width / body.material.means[0]
         functions, mesh = body.fe_degree, body.division
         if isinstance(mesh, IgaMesh):
             functions = min(p - c for p, c in zip(mesh.degree, mesh.continuities, strict=True))
         needed = min(_FEWEST[surface.dim] * relative ** (1 / 3), _ENOUGH) / (functions or 1)
-        side: dict[str, Any] = {"side": f"{name}.{surface.name}", "width": zone.width}
-        side["elements"] = zone.elements(surface)
+        side: dict[str, Any] = {"side": f"{name}.{surface.name}", "width": width}
+        side["elements"] = width / _mean_size(surface, points, across)
         sides.append(side | {"needed": needed, "stiffness": relative})
     worst = min(sides, key=lambda side: side["elements"] / side["needed"])
     if worst["elements"] < worst["needed"]:

@@ -7,6 +7,7 @@ the scene is refused. Before assembly, only scenes whose matrices alone do not f
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from math import inf, prod
 from shutil import disk_usage
 from tempfile import gettempdir
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from cea.eigen.driver import EigenSolver
+from cea.eigen.modes import Modes
 from cea.eigen.mumps import NoRoomError, factors_on_disk, free_memory
 from cea.errors import InputError, ResultWarning
 from cea.petsc import MPI, give_back
@@ -82,16 +84,13 @@ def factors_of(scene: Scene) -> Iterator[None]:
         raise _refusal(scene, str(error)) from error
 
 
-def in_memory_or_on_disk[T](
-    scene: Scene, driver: EigenSolver, solve: Callable[[], T]
-) -> tuple[T, tuple[ResultWarning, ...]]:
-    """Solve, with factors on disk if they do not fit into memory; collective.
+def in_memory_or_on_disk(scene: Scene, driver: EigenSolver, solve: Callable[[], Modes]) -> Modes:
+    """Solve, with factors on disk and a warning if they do not fit into memory; collective.
 
-    Returns the solution and the warnings that belong to it. Raises an InputError if the factors do
-    not fit on the disk either.
+    Raises an InputError if the factors do not fit on the disk either.
     """
     try:
-        return solve(), ()
+        return solve()
     except NoRoomError as error:
         lack = error
     driver.free()
@@ -102,12 +101,13 @@ def in_memory_or_on_disk[T](
         raise _refusal(scene, told) from lack
     with factors_of(scene), factors_on_disk():
         try:
-            found = solve()
+            modes = solve()
         finally:
             driver.free()
     data = {"memory": lack.memory, "available": lack.free, "files": lack.files}
     data["memory_with_files"] = lack.with_files
-    return found, (ResultWarning("factors-on-disk", f"{files} were written to disk: {lack}", data),)
+    warning = ResultWarning("factors-on-disk", f"{files} were written to disk: {lack}", data)
+    return replace(modes, warnings=(*modes.warnings, warning))
 
 
 def free_disk() -> float:

@@ -38,9 +38,9 @@ def short_modes(
     short, worst = np.zeros(count, dtype=bool), 0.0
     for spec in scene.contacts.values() if count else ():
         sides = {}
-        for place in (spec.a, spec.b):
-            body, surface = place.split(".")
-            sides[body] = _waves(bodies[body].surfaces[surface], partial(shapes, place))
+        for body, surface in spec.sides:
+            of_side = partial(shapes, f"{body}.{surface}")
+            sides[body] = _waves(bodies[body].surfaces[surface], of_side)
         largest = np.max([amplitudes for _, amplitudes in sides.values()], axis=0)
         for body, (phases, amplitudes) in sides.items():
             found = _unresolved(phases, scene.bodies[body])

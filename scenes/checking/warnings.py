@@ -159,7 +159,7 @@ def doubtful_numbers(scene: Scene, _bodies: Bodies | None = None) -> Warnings:
 
 def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
     """Warn of overlapping bodies without a contact; collective."""
-    joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
+    joined = [{body for body, _ in contact.sides} for contact in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
     names = dict.fromkeys(name for pair in pairs for name in pair)  # in one order on all ranks
     samples = {name: bodies[name].space.volume_cells().straight() for name in names}
@@ -350,20 +350,20 @@ def _sampled(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     # P h / E with the mesh size h and E of the side for which h / E is larger
     sides = ((half.a, half.interface.a), (half.b, half.interface.b))
     yields = (s.mesh_size / scene.bodies[body].material.means[0] for body, s in sides)
-    stiffness = mean_stiffness(spec, halves) * max(yields)
+    stiffness = _mean_stiffness(spec, halves) * max(yields)
     if points > most and stiffness > _LOCKS and not nested(half.interface):
         told = "{points} points of contacts.{contact} over-constrain its trace functions, by body "
         told += "{functions}, which locks; mortar does not"
         yield warning("over-constrained", told, **about, stiffness=stiffness)
 
 
-def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
+def _point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     """Warn of a point rule that is too inaccurate at the stiffness of the contact."""
     half, spec = halves[0], scene.contacts[name]
     coupling, of_modes = spec.formulation.coupling, scene.analysis.kind == "cea"
     if coupling in _PROJECTED or half.awaits_state or not spec.mu or not of_modes:
         return
-    stiffness, limit = relative_stiffness(scene, spec, halves), limit_of(scene, spec)
+    stiffness, limit = _relative_stiffness(scene, spec, halves), _limit_of(scene, spec)
     if (stiffness > limit) if coupling == "lumped" else (stiffness < limit):
         fine = "below" if coupling == "lumped" else "above"
         told = "{rule} in contacts.{contact} is too inaccurate for growth rates at "
@@ -375,9 +375,9 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
         yield warning("point-rule", told, **about, stiffness=stiffness, limit=limit)
 
 
-def limit_of(scene: Scene, spec: ContactSpec) -> float:
+def _limit_of(scene: Scene, spec: ContactSpec) -> float:
     """Return the relative stiffness below which collocation, or above which lumping, is poor."""
-    side, rule = scene.bodies[spec.a.split(".")[0]], spec.formulation
+    side, rule = scene.bodies[spec.sides[0][0]], spec.formulation
     if rule.coupling == "lumped":
         return _LUMPED[side.backend, side.dim]
     weights = getattr(rule, "weights", "")
@@ -387,7 +387,7 @@ def limit_of(scene: Scene, spec: ContactSpec) -> float:
     return _COLLOCATION.get((kind, side.dim), 0.0)
 
 
-def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact]) -> float:
+def _relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact]) -> float:
     """Return p (L_a / E_a + L_b / E_b), the ratio of contact stiffness to that of the bodies.
 
     L is the smaller of the least length of a body and the width of the contact; p is the mean
@@ -398,11 +398,14 @@ def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact
     for name in (half.a, half.b):
         body = scene.bodies[name]
         compliance += min(*body.lengths, width) / body.material.means[0]
-    return mean_stiffness(spec, halves) * compliance
+    return _mean_stiffness(spec, halves) * compliance
 
 
-def mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
-    """Return the mean contact stiffness p (N/m^3), open parts included; with c_n, while sliding."""
+def _mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
+    """Return the mean contact stiffness p (N/m^3), open parts included; with c_n, while sliding.
+
+    ``halves`` may have been assembled at another stiffness than that of ``spec``.
+    """
     points = halves[0].interface.points
     area = float(points.weight.sum())
     if spec.c_n is not None:
@@ -418,6 +421,6 @@ OF_CONTACTS: list[Callable[[Scene, str, Sequence[Contact]], Warnings]] = [
     _gaps_as_zero,
     _partly_uncovered,
     _sampled,
-    point_rule,
+    _point_rule,
 ]
 """Functions that yield the warnings about a contact from its name and half passes; collective."""

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError, ResultWarning
-from scenes.spec.plain import as_data
+from scenes.spec.plain import plain_data
 
 if TYPE_CHECKING:
     from cea.system.steady_state import ContactState, LoadStep, SteadySliding
@@ -82,13 +82,12 @@ def opened(record: RunRecord, kind: str) -> dict[str, Any]:
     if values is None or window is None or kind == "static":
         allowed = "'cea'" if values is not None else "'static'"
         raise InputError("scene.analysis.kind", kind, f"{allowed}, the kind of the stored data")
-    names = ("re", "im", "residual", "condition", "uncertainty")
-    columns = np.array([[getattr(value, name) for value in values] for name in names], dtype=float)
-    re, im, residuals, conditions, uncertainties = columns
-    bounded, warnings = np.array([value.bounded for value in values], dtype=bool), record.warnings
+    rows = np.array([list(value.model_dump().values()) for value in values], dtype=float)
+    columns = rows.reshape(len(values), len(Eigenvalue.model_fields)).T
+    re, im, residuals, conditions, uncertainties, bounded = columns
     errors = residuals, conditions, uncertainties
-    found = Spectrum(re + 1j * im, *errors, window, bounded=bounded, warnings=warnings)
-    return {"spectrum": found}
+    about: Any = {"bounded": bounded.astype(bool), "warnings": record.warnings}
+    return {"spectrum": Spectrum(re + 1j * im, *errors, window, **about)}
 
 
 def described(result: Any) -> dict[str, Any]:
@@ -118,7 +117,7 @@ def _picked(of: Any, *names: str) -> dict[str, Any]:
 def _described_run(result: Any) -> dict[str, Any]:
     """Return the data that every run has: scene, unknowns, times, contact points, reactions."""
     data: dict[str, Any] = {
-        "scene": as_data(result.scene),
+        "scene": plain_data(result.scene),
         "dofs": {"free": result.dofs},
         "timings": dict(result.timer.seconds),
         "seconds": result.timer.total,

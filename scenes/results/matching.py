@@ -99,44 +99,25 @@ def match_runs(
     Scenes without contacts are compared on all surfaces. ``near`` and ``limit`` are those of
     :func:`match_modes`; indices of the matches count the given modes.
     """
-    sets = _mode_sets(first, second, first_modes, second_modes)
-    return match_modes(*sets, near=near, limit=limit)
-
-
-def _mode_sets(
-    first: Result,
-    second: Result,
-    first_modes: NDArray[np.int64] | None,
-    second_modes: NDArray[np.int64] | None,
-) -> tuple[ModeSet, ModeSet]:
-    """Return eigenvalues, and displacements at points of contact surfaces located in both runs."""
-    chosen = [
-        np.arange(len(result.modes)) if modes is None else modes
-        for result, modes in ((first, first_modes), (second, second_modes))
+    if first_modes is None:
+        first_modes = np.arange(len(first.modes))
+    if second_modes is None:
+        second_modes = np.arange(len(second.modes))
+    contacts = first.scene.contacts.values()
+    places = [side for contact in contacts for side in contact.sides] or [
+        (name, surface) for name, body in first.bodies.items() for surface in body.surfaces
     ]
     left, right = [], []
-    for place in _places(first):
-        body, name = place.split(".")
-        surface = first.system.bodies[body].surfaces[name]
-        other = second.system.bodies[body].surfaces[name]
+    for body, name in places:
+        surface, other = first.bodies[body].surfaces[name], second.bodies[body].surfaces[name]
         points = surface.grid(max(2, round(_SAMPLES / np.sqrt(surface.num_elements))))
         found = other.locate(points.x, points.normal, other.mesh_size)
-        hit = ~found.missed
-        left.append(first.mode_shapes(place, points.at[hit], chosen[0]))
-        right.append(second.mode_shapes(place, found.at[hit], chosen[1]))
-    return (
-        ModeSet(first.eigenvalues[chosen[0]], _rows(left)),
-        ModeSet(second.eigenvalues[chosen[1]], _rows(right)),
-    )
-
-
-def _places(result: Result) -> list[str]:
-    """Return both sides of every contact; without contacts, every surface."""
-    contacts = result.scene.contacts.values()
-    sides = [side for contact in contacts for side in (contact.a, contact.b)]
-    return sides or [
-        f"{name}.{surface}" for name, body in result.bodies.items() for surface in body.surfaces
-    ]
+        hit, place = ~found.missed, f"{body}.{name}"
+        left.append(first.mode_shapes(place, points.at[hit], first_modes))
+        right.append(second.mode_shapes(place, found.at[hit], second_modes))
+    own = ModeSet(first.eigenvalues[first_modes], _rows(left))
+    others = ModeSet(second.eigenvalues[second_modes], _rows(right))
+    return match_modes(own, others, near=near, limit=limit)
 
 
 def _rows(shapes: list[Complexes]) -> Complexes:

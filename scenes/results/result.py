@@ -17,7 +17,6 @@ from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
 from cea.errors import InputError, ResultWarning
 from cea.files import write_whole
-from cea.mode_table import SIGNS
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
@@ -324,10 +323,10 @@ class Result:
 
     def __repr__(self) -> str:
         if self.spectrum is not None:
-            window, warnings = self.modes.window, self.warnings
-            lines = [self.summary, *window.hints, repr(self.table()), SIGNS]
-            lines += [f"{self.dofs} dofs", f"window: {window.evidence}", *self.steady_lines()]
-            lines += [f"warning ({warning.kind}): {warning.message}" for warning in warnings]
+            text = self.modes.text(self.analysis.growth_threshold)
+            lines = [f"{self.scene.name}: {text}", f"{self.dofs} dofs"]
+            lines += [f"window: {self.modes.window.evidence}", *self.steady_lines()]
+            lines += [f"warning ({warning.kind}): {warning.message}" for warning in self.warnings]
             return "\n".join(lines)
         lines = [f"{self.scene.name}: static analysis", *self.steady_lines()]
         for row in self.table():

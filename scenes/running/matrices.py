@@ -5,11 +5,10 @@ from typing import Any
 
 from cea.eigen.driver import EigenSolver
 from cea.errors import require
-from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from scenes.checking.skipped import GIVEN
-from scenes.matrices.pencil import Piece, check_mass, matrix_pencil, read_pieces
+from scenes.matrices.reading import Piece, check_mass, matrix_pencil, read_pieces
 from scenes.results.result import Result
 from scenes.spec.matrices import ROLES, MatrixScene
 
@@ -26,7 +25,7 @@ class AssembledMatrices:
         self.scene = scene
         self.timer = StageTimer(listener)
         with self.timer("reading"):
-            self.pieces = read_pieces(scene, MPI.COMM_WORLD)
+            self.pieces = read_pieces(scene)
         self.driver = EigenSolver(matrix_pencil(scene, self.pieces))
         self._checked: tuple[float, ...] | None = None
 

@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Unpack
+from functools import partial
+from typing import Any, Unpack
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
@@ -56,21 +57,12 @@ def solved(
 ) -> Result:
     """Compute the modes of an assembled scene; collective."""
     top, low = scene.window.max_frequency, scene.window.min_growth
-
-    def solve() -> Modes:
-        return driver.solve(top, values, min_growth=low, left=left, hints=True, timer=timer)
-
-    modes, on_disk = in_memory_or_on_disk(scene, driver, solve)
-    modes = replace(modes, warnings=(*modes.warnings, *on_disk))
-    return result_of_modes(scene, system, timer, modes)
+    options: Any = {"min_growth": low, "left": left, "hints": True, "timer": timer}
+    solve = partial(driver.solve, top, values, **options)
+    return result_of_modes(scene, system, timer, in_memory_or_on_disk(scene, driver, solve))
 
 
-def result_of_modes(
-    scene: Scene,
-    system: CoupledSystem,
-    timer: StageTimer,
-    modes: Modes,
-) -> Result:
+def result_of_modes(scene: Scene, system: CoupledSystem, timer: StageTimer, modes: Modes) -> Result:
     """Return the result of modes, with all warnings added; collective.
 
     Parameters are those of :func:`solved`; ``modes`` have the warnings of the solver.

@@ -1,10 +1,9 @@
 """Error estimates of eigenvalues in a richer space: a higher degree or bisected elements."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
-from cea.body import Body
 from cea.eigen.pencil import release
 from cea.errors import InputError, require
 from cea.matrices import destroy
@@ -24,11 +23,6 @@ Enrichment = Literal["degree", "bisection", "smooth"]
 
 _HIGHEST = {"fe": 4, "iga": 8}
 """Highest degree of each backend."""
-
-
-def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Any:
-    """Return the prolongation of free displacements from coarse to fine bodies; collective."""
-    return of_system([of_body(coarse[name], fine[name]) for name in fine])
 
 
 def estimate_errors(
@@ -72,7 +66,8 @@ def estimate_errors(
     system, timer = coupled(scene, bodies=same, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
-        step = prolongation(result.bodies, system.bodies)
+        bodies = system.bodies.items()
+        step = of_system([of_body(result.bodies[name], body) for name, body in bodies])
     try:
         with timer("krylov"), factors_of(scene):
             return error_estimate(result.modes, matrices, step, steps=steps)
@@ -109,26 +104,20 @@ def richer_scene(scene: Scene, by: Enrichment | None = "degree") -> Scene:
     if by not in (None, *get_args(Enrichment)):
         raise InputError("by", by, " or ".join(map(repr, get_args(Enrichment))))
     bodies = {
-        name: replace(body, mesh=_mesh(f"bodies.{name}.mesh", body, by or _way(body)))
+        name: replace(body, mesh=_enriched(f"bodies.{name}.mesh", body, by))
         for name, body in scene.bodies.items()
     }
     return replace(scene, bodies=bodies)
 
 
-def _way(body: BodySpec) -> Enrichment:
-    highest = _degree(body) >= _HIGHEST[body.backend]
-    if body.division is not None and body.division.elements and (body.dim == 2 or highest):
-        return "bisection"
-    return "smooth" if body.backend == "iga" else "degree"
-
-
-def _degree(body: BodySpec) -> int:
-    mesh = body.division
-    return max(mesh.degree) if isinstance(mesh, IgaMesh) else body.fe_degree or 0
-
-
-def _mesh(field: str, body: BodySpec, by: Enrichment) -> MeshSpec:
-    mesh, degree, highest = body.division, _degree(body), _HIGHEST[body.backend]
+def _enriched(field: str, body: BodySpec, by: Enrichment | None) -> MeshSpec:
+    """Return the mesh of a body with its space enriched; ``field`` is the path of the mesh."""
+    mesh, highest = body.division, _HIGHEST[body.backend]
+    degree = max(mesh.degree) if isinstance(mesh, IgaMesh) else body.fe_degree or 0
+    if by is None:
+        by = "smooth" if body.backend == "iga" else "degree"
+        if mesh is not None and mesh.elements and (body.dim == 2 or degree >= highest):
+            by = "bisection"
     if by == "smooth" and body.backend == "fe":
         raise InputError("by", by, "'degree' or 'bisection' for Lagrange elements")
     if by != "bisection" and degree >= highest:

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 from cea.errors import require
 from cea.material import AnisotropicMaterial, IsotropicMaterial, OrthotropicMaterial
 from cea.motion import ModalDamping, RayleighDamping, Rotation
-from cea.supports.boundary import Spring, Support
+from cea.supports.boundary import Force, Pressure, Spring, Support
 from meshes.mesh_file import MeshFile
 from meshes.patches import NurbsFile, Patches
 from meshes.placement import Placement
@@ -274,4 +274,12 @@ class LoadSpec:
     @property
     def on(self) -> str:
         """Name of the loaded body."""
-        return (self.surface or self.body or "").split(".")[0]
+        return (self.surface or self.body or "").partition(".")[0]
+
+    @property
+    def applied(self) -> Pressure | Force:
+        """The load on that body."""
+        surface = None if self.surface is None else self.surface.partition(".")[2]
+        if surface is not None and self.pressure is not None:
+            return Pressure(surface, self.pressure)
+        return Force(self.force or self.body_force or (), surface)

@@ -275,14 +275,14 @@ def _contact_checks(
     faults: Faults, scene: Scene, place: str, contact: ContactSpec, known: Sequence[str]
 ) -> None:
     """Check the sides, formulation, friction direction and expressions of a contact."""
-    sides = {"a": contact.a.partition("."), "b": contact.b.partition(".")}
+    sides = dict(zip("ab", contact.sides, strict=True))
     for side in sides:
         faults.of(check_surface, getattr(contact, side), known, f"{place}.{side}")
     two = sides["a"][0] != sides["b"][0]
     faults.require(two, f"{place}.b", contact.b, f"a surface of another body than {contact.a}")
-    bodies = {side: scene.bodies[n] for side, (n, _, _) in sides.items() if n in scene.bodies}
+    bodies = {side: scene.bodies[n] for side, (n, _) in sides.items() if n in scene.bodies}
     for side, body in bodies.items() if two else ():
-        name, _, surface = sides[side]
+        name, surface = sides[side]
         for i, support in enumerate(body.supports if f"{name}.{surface}" in known else ()):
             held = len(set(support.components)) in (0, body.dim) or "normal" in support.components
             allowed = f"a surface that may move: bodies.{name}.supports.{i} holds it"

@@ -175,6 +175,12 @@ class ContactSpec:
         require(directed, "friction_direction_on_a", None, allowed)
 
     @property
+    def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Body and surface of side a, and of side b."""
+        (a, _, on_a), (b, _, on_b) = self.a.partition("."), self.b.partition(".")
+        return (a, on_a), (b, on_b)
+
+    @property
     def law(self) -> NormalCompliance | None:
         """Normal compliance of the contact; None if P or p is given."""
         return None if self.c_n is None else NormalCompliance(self.c_n, self.m_n or 1.0)

@@ -7,18 +7,15 @@ The A_j are read from files; the c_j are numbers or arithmetic expressions in th
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from pydantic import ConfigDict, TypeAdapter
+from pydantic import ConfigDict
 
-from cea.eigen.coefficients import Parameter
-from cea.errors import InputError
 from cea.expressions import RESERVED, Formula
 from scenes.spec.consistency import LARGEST, SMALLEST, check_no_steady_state, check_scene_name
 from scenes.spec.plain import OF_MATRICES, changed, checked, scene_file, set_fields, tables_of
-from scenes.spec.problems import Faults, SceneError
+from scenes.spec.problems import Faults, refuse
 from scenes.spec.reading import ComplexEigenvalueAnalysis
 
 Role = Literal["mass", "damping", "stiffness"]
@@ -97,10 +94,6 @@ class MatrixScene:
         found: Mapping[str, float | str] = getattr(self, role)
         return {m: _formula(value, names, f"{role}.{m}") for m, value in found.items()}
 
-    def of_pencil(self) -> list[Parameter]:
-        """Return the parameters of the pencil; they may have either sign."""
-        return [Parameter(path, value, signed=True) for path, value in self.values.items()]
-
     def file(self, matrix: str) -> tuple[Path, str | None]:
         """Return the file of a matrix, and the variable in it."""
         name, variable = split_name(self.files[matrix])
@@ -130,8 +123,7 @@ def load_matrices(
     """
     tables, folder = tables_of(scene), scene_file(scene).parent
     if "bodies" in tables and "files" not in tables:
-        allowed = "a scene of matrices; one of bodies is read by load_scene"
-        raise SceneError([InputError("scene", str(scene), allowed)])
+        refuse("scene", str(scene), "a scene of matrices; one of bodies is read by load_scene")
     comes_with_the_project = folder == OF_MATRICES
     if not comes_with_the_project and isinstance(tables.get("data", ""), str):
         tables["data"] = str(folder / tables.get("data", ""))
@@ -140,8 +132,8 @@ def load_matrices(
     set_fields(tables, overrides)
     read = read_matrix_scene(tables)
     if comes_with_the_project and not read.data:
-        allowed = f"the folder of {', '.join(read.files.values())}, which do not come with it"
-        raise SceneError([InputError("data", None, allowed)])
+        files = ", ".join(read.files.values())
+        refuse("data", None, f"the folder of {files}, which do not come with it")
     return read
 
 
@@ -153,18 +145,8 @@ def read_matrix_scene(data: Mapping[str, Any]) -> MatrixScene:
     SceneError
         With one line for each fault.
     """
-    scene = checked(_adapter(), data)
-    _checks(scene).refuse()
-    return scene
-
-
-@cache
-def _adapter() -> TypeAdapter[MatrixScene]:
-    return TypeAdapter(MatrixScene)
-
-
-def _checks(scene: MatrixScene) -> Faults:
-    faults, analysis = Faults(), scene.analysis
+    scene, faults = checked(MatrixScene, data), Faults()
+    analysis = scene.analysis
     check_scene_name(faults, scene.name)
     top, allowed = analysis.max_frequency, f"{SMALLEST:g} to {LARGEST:g} (Hz)"
     faults.require(SMALLEST <= top <= LARGEST, "analysis.max_frequency", top, allowed)
@@ -180,7 +162,8 @@ def _checks(scene: MatrixScene) -> Faults:
     faults.of(lambda: scene.values)
     if len(faults) == before:
         _sum_checks(faults, scene)
-    return faults
+    faults.refuse()
+    return scene
 
 
 def _sum_checks(faults: Faults, scene: MatrixScene) -> None:

@@ -4,17 +4,18 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, fields, is_dataclass
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path, PurePath
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from cea.errors import InputError, did_you_mean, require
+from cea.contact.formulations import Formulation, registered
+from cea.errors import did_you_mean
 from cea.files import regular
-from scenes.spec.problems import Faults, SceneError, problems
+from scenes.spec.problems import SceneError, problems, refuse
 
 SCENES = Path(__file__).parents[1] / "catalogue"
 """Folder of the scenes that come with the project."""
@@ -46,38 +47,32 @@ _BY_NAME = ("bodies", "contacts")
 """Tables in which setting a field does not create a new entry: its name would be a misspelling."""
 
 
-def as_data(section: Any) -> Any:
-    """Convert a scene or section to nested dictionaries, without ``_LATER`` fields at defaults."""
-    if is_dataclass(section):
-        later = _LATER.get(type(section).__name__, ())
-        return {
-            field.name: as_data(value)
-            for field in fields(section)
-            if (value := getattr(section, field.name)) != field.default or field.name not in later
-        }
-    if isinstance(section, Mapping):
-        return {name: as_data(part) for name, part in section.items()}
-    if isinstance(section, list | tuple):
-        return type(section)(as_data(part) for part in section)
-    return section
-
-
-def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
-    """Validate nested dictionaries; raise a SceneError with all faults."""
+def checked[T: Hashable](kind: type[T], data: Mapping[str, Any]) -> T:
+    """Validate nested dictionaries as a kind of scene; raise a SceneError with all faults."""
     content = _json(data)
+    adapter = _adapter(kind, tuple(registered().values()))
     try:
-        return kind.validate_json(content)
+        scene: T = adapter.validate_json(content)
     except ValidationError as error:
-        raise SceneError(problems(error, json.loads(content), _schema(kind))) from error
+        raise SceneError(problems(error, json.loads(content), _schema(adapter))) from error
+    return scene
 
 
 @cache
-def _schema(kind: TypeAdapter[Any]) -> dict[str, Any]:
-    return kind.json_schema()
+def _adapter(kind: type, _formulations: tuple[type[Formulation], ...]) -> TypeAdapter[Any]:
+    return TypeAdapter(kind)
+
+
+@cache
+def _schema(adapter: TypeAdapter[Any]) -> dict[str, Any]:
+    return adapter.json_schema()
 
 
 def plain_data(value: Any, place: str = "scene") -> Any:
-    """Convert a scene or a part of one to nested dictionaries, lists, text and numbers."""
+    """Convert a scene or a part of one to nested dictionaries, lists, text and numbers.
+
+    ``_LATER`` fields are left out at their defaults.
+    """
     return json.loads(_json(value, place))
 
 
@@ -89,28 +84,31 @@ def _json(data: Any, place: str = "scene") -> bytes:
         raise
     except (TypeError, ValueError, RecursionError) as error:
         allowed = f"text, numbers, lists, and tables of them by name, not too deep: {error}"
-        raise SceneError([InputError(place, "...", allowed)]) from error
+        refuse(place, "...", allowed)
 
 
 def _plain(value: Any) -> Any:
     """Convert types that JSON does not support: sections of scenes, paths, numpy arrays."""
     if is_dataclass(value) and not isinstance(value, type):
-        return asdict(value)
+        later = _LATER.get(type(value).__name__, ())
+        return {
+            field.name: getattr(value, field.name)
+            for field in fields(value)
+            if field.name not in later or getattr(value, field.name) != field.default
+        }
     if isinstance(value, PurePath):
         return str(value)
     if not hasattr(value, "tolist"):
-        raise SceneError([InputError("value", value, "plain data, or a section of a scene")])
+        refuse("value", value, "plain data, or a section of a scene")
     return value.tolist()
 
 
 def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
-    """Yield the names and values of nested tables and lists, each with its path."""
+    """Yield the values of nested tables and lists, each with its path."""
     if not isinstance(data, Mapping | list | tuple):
         yield place, data
         return
     for name, part in data.items() if isinstance(data, Mapping) else enumerate(data):
-        if isinstance(data, Mapping):
-            yield place, name
         yield from leaves(part, f"{place}.{name}".removeprefix("scene."))
 
 
@@ -118,12 +116,13 @@ def set_at(data: dict[str, Any], path: str, value: Any) -> None:
     """Set the field at a path; missing tables are created, missing entries of lists are not.
 
     Names in a path are separated by dots; entries of lists are numbered from 0:
-    ``loads[0].pressure`` or ``loads.0.pressure``. Raises an InputError with the part of the path
+    ``loads[0].pressure`` or ``loads.0.pressure``. Raises a SceneError with the part of the path
     that does not exist.
     """
     path = "".join(path.split())
     allowed = "names separated by dots, with indices in brackets: loads[0].pressure"
-    require(_PATH.fullmatch(path) is not None, "--set", path, allowed)
+    if not _PATH.fullmatch(path):
+        refuse("--set", path, allowed)
     parts, table = re.findall(r"[^.\[\]]+", path), data
     for i, part in enumerate(parts):
         place = ".".join(parts[: i + 1])
@@ -131,8 +130,8 @@ def set_at(data: dict[str, Any], path: str, value: Any) -> None:
         key: Any = part
         if isinstance(table, list):
             there = f"from 0 to {len(table) - 1}" if table else "none: the list is empty"
-            numbers = [str(number) for number in range(len(table))]
-            require(part in numbers, place, part, f"index of an entry: {there}")
+            if part not in map(str, range(len(table))):
+                refuse(place, part, f"index of an entry: {there}")
             key = int(part)
         elif table.get(part) is None and below is not None:
             _check_new(table, parts[: i + 1], below)
@@ -141,8 +140,8 @@ def set_at(data: dict[str, Any], path: str, value: Any) -> None:
             table[key] = value
             return
         table = table[key]
-        allowed = f"a table or a list, so that {'.'.join(parts)} can be set"
-        require(isinstance(table, dict | list), place, table, allowed)
+        if not isinstance(table, dict | list):
+            refuse(place, table, f"a table or a list, so that {'.'.join(parts)} can be set")
 
 
 def _check_new(table: dict[str, Any], place: list[str], below: str) -> None:
@@ -150,7 +149,8 @@ def _check_new(table: dict[str, Any], place: list[str], below: str) -> None:
     of_name = len(place) == 2 and place[0] in _BY_NAME
     there = f"{', '.join(table) or 'none'}{did_you_mean(place[-1], table)}"
     allowed = f"{'one' if of_name else 'a list'} that exists, or given whole; there are {there}"
-    require(not (of_name or below.isdecimal()), ".".join(place), None, allowed)
+    if of_name or below.isdecimal():
+        refuse(".".join(place), None, allowed)
 
 
 def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:
@@ -164,13 +164,11 @@ def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any
         meant = did_you_mean(file.stem, names)
         if file.stem in names:
             meant = f"; did you mean {file.stem!r}?"
-        allowed = f"a TOML file, or one of {', '.join(names)}{reason}{meant}"
-        raise SceneError([InputError("scene", str(scene), allowed)]) from error
+        refuse("scene", str(scene), f"a TOML file, or one of {', '.join(names)}{reason}{meant}")
     try:
         data = tomllib.loads(content.decode())
     except (ValueError, RecursionError) as error:
-        allowed = f"valid TOML in UTF-8: {error}"
-        raise SceneError([InputError("scene", str(scene), allowed)]) from error
+        refuse("scene", str(scene), f"valid TOML in UTF-8: {error}")
     set_fields(data, overrides)
     return data
 
@@ -179,14 +177,8 @@ def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> di
     """Return the plain data of a scene with fields changed; parameters as ``Scene.change``."""
     data = plain_data(scene)
     for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
-        _set(data, path, plain_data(new, path))
+        set_at(data, path, plain_data(new, path))
     return data
-
-
-def _set(data: dict[str, Any], path: str, value: Any) -> None:
-    faults = Faults()
-    faults.of(set_at, data, path, value)
-    faults.refuse()
 
 
 def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
@@ -200,8 +192,8 @@ def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
         except (ValueError, RecursionError):
             pass
         if not equals:
-            raise SceneError([InputError("--set", override, "path.to.field=value")])
-        _set(data, path, value)
+            refuse("--set", override, "path.to.field=value")
+        set_at(data, path, value)
 
 
 def scene_names() -> list[str]:
@@ -220,7 +212,7 @@ def scene_file(scene: str | Path) -> Path:
     if os.sep in text or "/" in text or text.endswith(".toml"):
         return Path(scene)
     of_matrices = OF_MATRICES / f"{text}.toml"
-    return of_matrices if text in matrix_scene_names() else SCENES / f"{text}.toml"
+    return of_matrices if of_matrices.is_file() else SCENES / f"{text}.toml"
 
 
 def is_of_matrices(scene: str | Path) -> bool:
@@ -231,7 +223,7 @@ def is_of_matrices(scene: str | Path) -> bool:
 
 def scene_text(scene: Any) -> str:
     """Return a scene as TOML text, which reads back as the same scene."""
-    data = _given(plain_data(as_data(scene)))
+    data = _given(plain_data(scene))
     lines = _lines({name: value for name, value in data.items() if name not in _BY_NAME})
     for name in _BY_NAME:
         for entry, table in data.get(name, {}).items():

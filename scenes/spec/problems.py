@@ -5,7 +5,7 @@ suggested.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 from pydantic import ValidationError
 
@@ -34,6 +34,11 @@ class SceneError(ValueError):
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the faults, not the message, when the error is sent between ranks."""
         return type(self), (self.faults,)
+
+
+def refuse(field: str, value: object, allowed: str) -> NoReturn:
+    """Raise a SceneError with one fault."""
+    raise SceneError([InputError(field, value, allowed)])
 
 
 class Faults(list[InputError]):

@@ -5,20 +5,18 @@ A scene consists of frozen dataclasses, each of which validates its own fields.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, TypeAdapter
+from pydantic import ConfigDict, Field
 
-from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError, require
 from scenes.spec.body import Backend, BodySpec, LoadSpec
 from scenes.spec.consistency import consistent
 from scenes.spec.contact import ContactSpec
 from scenes.spec.plain import changed, checked, scene_file, tables_of
-from scenes.spec.problems import SceneError
+from scenes.spec.problems import refuse
 
 MAX_STEPS = 1000
 """Largest number of load steps."""
@@ -244,8 +242,7 @@ def load_scene(
     """
     data = tables_of(scene, overrides)
     if "files" in data and "bodies" not in data:
-        allowed = "a scene of bodies; one of matrices is read by load_matrices"
-        raise SceneError([InputError("scene", str(scene), allowed)])
+        refuse("scene", str(scene), "a scene of bodies; one of matrices is read by load_matrices")
     bodies = data.get("bodies")
     for body in bodies.values() if isinstance(bodies, dict) else ():
         if isinstance(body, dict):
@@ -265,9 +262,4 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
     SceneError
         With one line for each fault. Fields are checked against each other only if each is valid.
     """
-    return consistent(checked(_adapter(tuple(registered().values())), data))
-
-
-@cache
-def _adapter(formulations: tuple[type[Formulation], ...]) -> TypeAdapter[Scene]:
-    return TypeAdapter(Scene)
+    return consistent(checked(Scene, data))

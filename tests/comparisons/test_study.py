@@ -118,7 +118,7 @@ def test_stored_cases_are_taken_where_everything_agrees(tmp_path, clean, monkeyp
     assert computed(anew=True) == EVERY
     assert computed(factor=2.0) == EVERY
     assert computed(with_scene, factor=2.0) == []
-    monkeypatch.setattr(engine, "as_data", lambda scene: {"another": 1})
+    monkeypatch.setattr(engine, "plain_data", lambda scene: {"another": 1})
     assert computed(with_scene, factor=2.0) == EVERY
     monkeypatch.setattr(engine, "commit", lambda: "def")
     assert computed(with_scene, factor=2.0) == EVERY

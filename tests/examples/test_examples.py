@@ -24,7 +24,7 @@ from examples import (
     which_formulation,
 )
 from scenes import assemble
-from scenes.refinement.meshes import has_singular_edges
+from scenes.refinement import has_singular_edges
 from scenes.spec.reading import load_scene
 
 ROOT = Path(__file__).parents[2]

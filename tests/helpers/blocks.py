@@ -1,14 +1,10 @@
 """Small scenes of two blocks, as dictionaries and assembled."""
 
-from pydantic import TypeAdapter
-
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.spec.plain import checked
 from scenes.spec.reading import Scene, read_scene
 
-SECTIONS = TypeAdapter(Scene)
-"""Reads sections that are each right by themselves."""
 FORMULATIONS = ["collocation", "weighted collocation", "grid", "gpts", "segments", "mortar"]
 PLACEMENTS = ["axis-aligned", "rotated"]
 """Parameters of the fixtures `formulation` and `placement`."""
@@ -105,7 +101,7 @@ def assemble(data, *, together=True, **options):
     Where its sections need not fit ``together``, contacts may be there that scenes are refused for:
     the same one twice, or one between sides that are held.
     """
-    scene, timer = read_scene(data) if together else checked(SECTIONS, data), StageTimer()
+    scene, timer = read_scene(data) if together else checked(Scene, data), StageTimer()
     bodies = build_bodies(scene, timer)
     contacts = build_contacts(scene, bodies, timer)
     return build_system(scene, bodies, contacts, timer, **options)

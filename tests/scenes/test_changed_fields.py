@@ -10,7 +10,7 @@ from changed_scenes import SCENES, scene_of
 
 from cea.errors import InputError
 from scenes import assemble, run_modes
-from scenes.spec.plain import as_data
+from scenes.spec.plain import plain_data
 from scenes.spec.problems import SceneError
 
 UPPER, LOWER, CONTACT = "bodies.upper", "bodies.lower", "contacts.interface"
@@ -105,7 +105,7 @@ def told(result):
 
 
 def assert_the_same(found, fresh):
-    assert as_data(found.scene) == as_data(fresh.scene)
+    assert plain_data(found.scene) == plain_data(fresh.scene)
     assert found.skipped == fresh.skipped
     assert told(found) == told(fresh)
     assert found.verdict == fresh.verdict
@@ -148,5 +148,5 @@ def test_a_changed_field_gives_the_result_of_a_fresh_run(row):
             assembled.modes(row.changes)
         return
     changed = before.change(row.changes)
-    assert as_data(changed) != as_data(before)
+    assert plain_data(changed) != plain_data(before)
     assert_the_same(assembled.modes(row.changes), run_modes(changed))

@@ -10,7 +10,7 @@ from unittest.mock import Mock, patch
 import numpy as np
 import pytest
 from bad_inputs import coarse
-from blocks import SECTIONS, alone, block, two_blocks
+from blocks import alone, block, two_blocks
 from blocks import coarse as of_few_elements
 from motions import asymmetry
 from mpi import cea_on_ranks, on_ranks
@@ -23,7 +23,7 @@ from comparisons.study.matching import match_spectrum
 from scenes import run_modes, run_scene
 from scenes.running import system
 from scenes.spec.plain import checked
-from scenes.spec.reading import read_scene
+from scenes.spec.reading import Scene, read_scene
 
 pytestmark = pytest.mark.mpi
 slow = pytest.mark.slow
@@ -112,7 +112,7 @@ def saddle():
     return {
         "im": modes.eigenvalues.imag.tolist(),
         "slopes": np.abs(modes.sensitivity("contacts.interface.mu")).tolist(),
-        "tied twice": run_modes(checked(SECTIONS, twice)).modes.eigenvalues.imag.tolist(),
+        "tied twice": run_modes(checked(Scene, twice)).modes.eigenvalues.imag.tolist(),
     }
 
 

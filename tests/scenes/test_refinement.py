@@ -5,8 +5,13 @@ import pytest
 
 from cea.errors import InputError
 from scenes import SceneError, load_scene, read_scene, scene_names
-from scenes.refinement.meshes import Resolution, has_singular_edges, moved_to_mortar, refined
-from scenes.refinement.singular_edges import singular_edges
+from scenes.refinement import (
+    Resolution,
+    has_singular_edges,
+    moved_to_mortar,
+    refined,
+    singular_edges,
+)
 from scenes.spec.plain import plain_data, scene_text
 
 DISC_PAD = load_scene("disc_pad")

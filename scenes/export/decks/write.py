@@ -11,8 +11,6 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from cea.errors import InputError, require
 from cea.files import check_writable, write_whole
 from cea.petsc import MPI
@@ -21,10 +19,8 @@ from cea.surface import Surface
 from cea.timing import StageTimer
 from meshes.mesh_file import MeshFile
 from scenes.building.build import build_bodies, used_surfaces
-from scenes.export.decks.bodies import ELEMENTS, DeckBody, deck_bodies, set_name
-from scenes.export.decks.contacts import CLOSURE, contact_lines, deck_contacts, moving_bodies
-from scenes.export.decks.model import boundary_lines, comments, model_lines
-from scenes.export.decks.steps import step_lines
+from scenes.export.decks.calculix import deck_lines
+from scenes.export.decks.model import ELEMENTS, deck_bodies, model_lines, set_name
 from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
 from scenes.spec.problems import SceneError
@@ -60,9 +56,9 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
         made_on_first(MPI.COMM_WORLD, partial(check_writable, file, "out"))
     built = build_bodies(scene, StageTimer())
     surfaces = {
-        side: built[side.split(".")[0]].surfaces[side.split(".")[1]]
+        f"{body}.{surface}": built[body].surfaces[surface]
         for contact in scene.contacts.values()
-        for side in (contact.a, contact.b)
+        for body, surface in contact.sides
     }
     made_on_first(MPI.COMM_WORLD, lambda: _write(scene, surfaces, files, modes))
     return files
@@ -70,32 +66,11 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
 
 def _write(scene: Scene, surfaces: Mapping[str, Surface], files: list[Path], modes: int) -> None:
     model, deck = files
-    bodies, contacts = deck_bodies(scene), deck_contacts(scene.contacts, surfaces)
-    motions = moving_bodies(scene.contacts, bodies, surfaces)
-    points = np.concatenate([body.points for body in bodies.values()])
-    closure = CLOSURE * float(np.ptp(points, axis=0).max())
-    steps = [
-        *comments(_about(scene, bodies)),
-        f"*INCLUDE, INPUT={model.name}",
-        *boundary_lines(bodies),
-        *contact_lines(contacts, closure),
-        *step_lines(bodies, contacts, motions, closure, modes),
-    ]
-    for file, lines in ((model, model_lines(scene, bodies)), (deck, steps)):
+    bodies = deck_bodies(scene)
+    steps = deck_lines(scene, bodies, surfaces, model.name, modes)
+    for file, lines in ((deck, steps), (model, model_lines(scene, bodies))):
         # CalculiX reads ASCII reliably, but not other encodings.
         write_whole("".join(f"{line}\n" for line in lines).encode("ascii", "replace"), file)
-
-
-def _about(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
-    """Yield the comments at the head of a deck."""
-    yield f"{scene.name}, for CalculiX. Units are those of the scene."
-    for name, body in bodies.items():
-        yield f"{name}: {len(body.points)} nodes, {len(body.elements)} {body.element_type}"
-    for name, contact in scene.contacts.items():
-        yield (
-            f"Contact {name}: slave {contact.a}, master {contact.b}, penalty on the surface of the "
-            f"slave instead of the formulation {contact.formulation.method}."
-        )
 
 
 def _claims(scene: Scene) -> Iterator[_Claim]:
