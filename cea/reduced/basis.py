@@ -66,14 +66,15 @@ class InnerProduct:
 class Norms:
     """Norms of states and residuals, with X and the saddle problem factorised at given parameters.
 
+    The window ends at ``end`` (rad/s).
     ``states`` is the inner product of bases, ``residuals`` that of Riesz representatives of
     residuals (:meth:`caused`); ``solve`` returns X^-1 v, the static displacements under forces.
     """
 
     def __init__(
-        self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], max_frequency: float
+        self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], end: float
     ) -> None:
-        matrix, factors, self.shift = _definite(pencil, values, max_frequency)
+        matrix, factors, self.shift = _definite(pencil, values, end)
         self._made: list[Any] = [matrix, factors]
         own = slice(0, pieces.displacements)
         self._stiffness = pieces.acting(partial(times, matrix), own, own)
@@ -137,11 +138,9 @@ class Norms:
         self._made.clear()
 
 
-def _definite(
-    pencil: Pencil, values: Mapping[str, float], max_frequency: float
-) -> tuple[Any, Mumps, float]:
+def _definite(pencil: Pencil, values: Mapping[str, float], end: float) -> tuple[Any, Mumps, float]:
     """Return X, its factors and the shift s, which is increased until X is positive definite."""
-    first = (SLOW * 2 * np.pi * max_frequency) ** 2
+    first = (SLOW * end) ** 2
     for shift in (first * 4.0 ** np.arange(_SHIFTS)).tolist():
         parts = []
         for term in pencil.terms:

@@ -21,20 +21,16 @@ FoundAlong = tuple[dict[str, float], Found]
 
 
 def record_of(
-    scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], bases: Sequence[Enrichment]
+    scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], basis: Enrichment
 ) -> dict[str, Any]:
-    """Return the record of a sweep on bases, its thresholds not yet confirmed."""
-    bound, tolerance = spectra.bound, bases[0].tolerance
-    # Full solves at the border of two boxes serve both.
-    solves = {tuple(each["point"].values()): each for basis in bases for each in basis.solves}
-    failed = [each for basis in bases for each in basis.failed]
-    growths = [each["max_growth"] for each in solves.values()]
-    return common_record(scene, spectra, lines, failed, growths) | {
+    """Return the record of a sweep on a basis, its thresholds not yet confirmed."""
+    bound, growths = spectra.bound, [each["max_growth"] for each in basis.solves]
+    return common_record(scene, spectra, lines, basis.failed, growths) | {
         "parameters": [list(each) for each in scene.names],
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-        "vectors": [basis.model.size for basis in bases],
-        "snapshots": list(solves.values()),
-        "certified": int((bound <= tolerance).sum()),
+        "vectors": [basis.model.size],
+        "snapshots": basis.solves,
+        "certified": int((bound <= basis.tolerance).sum()),
         "worst": float(bound.max()),
     }
 
