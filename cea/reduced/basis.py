@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.block_products import times
+from cea.eigen.block_products import beside, times
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil
@@ -160,17 +160,19 @@ def _definite(pencil: Pencil, values: Mapping[str, float], end: float) -> tuple[
 
 
 class Span:
-    """An orthonormal basis of the span of all added blocks."""
+    """An orthonormal basis of the span of all added blocks.
+
+    ``vectors`` are the rows of this rank, shape (n_local, size).
+    """
 
     def __init__(self, norm: InnerProduct) -> None:
         self.norm = norm
-        self._store = np.empty((norm.rows, 0), order="F")
-        self.size = 0
+        self.vectors: Floats = np.empty((norm.rows, 0), order="F")
 
     @property
-    def vectors(self) -> Floats:
-        """The basis, the rows of this rank, shape (n_local, size)."""
-        return self._store[:, : self.size]
+    def size(self) -> int:
+        """Number of vectors."""
+        return self.vectors.shape[1]
 
     def add(self, block: Floats, image: Floats, floor: float) -> tuple[Floats, float]:
         """Extend the basis by the span of a block, except directions with norms up to ``floor``.
@@ -203,11 +205,5 @@ class Span:
         left, products = self._outside(block, self.norm.image(block))
         sizes, axes = np.linalg.eigh(products)
         kept = sizes > _ROUNDING**2
-        size = self.size + int(kept.sum())
-        if size > self._store.shape[1]:
-            store = np.empty((self.norm.rows, max(size, 3 * self._store.shape[1] // 2)), order="F")
-            store[:, : self.size] = self.vectors
-            self._store = store
-        self._store[:, self.size : size] = left @ (axes[:, kept] / np.sqrt(sizes[kept]))
-        self.size = size
+        self.vectors = beside(self.vectors, left @ (axes[:, kept] / np.sqrt(sizes[kept])))
         return bool(kept.all())

@@ -47,12 +47,8 @@ _TINY = float(np.finfo(float).tiny)
 
 
 def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
-    """Return A x in real arithmetic, without products of imaginary parts that are zero."""
-    turning = np.flatnonzero(vectors.imag.any(axis=0))
-    image = matrix @ np.hstack([vectors.real, vectors.imag[:, turning]])
-    columns = vectors.shape[1]
-    result = image[:, :columns].astype(complex)
-    result.imag[:, turning] = image[:, columns:]
+    """Return A x in real arithmetic."""
+    result: Complexes = matrix @ vectors.real + 1j * (matrix @ vectors.imag)
     return result
 
 
@@ -112,11 +108,6 @@ class Polynomial:
     def damped(self) -> bool:
         """Whether z is lambda rather than kappa."""
         return any(each.power == 2 for each in self.terms)
-
-    def at(self, z: float) -> Floats:
-        """Return P(z)."""
-        total: Floats = np.sum([e.factor * z**e.power * e.square for e in self.terms], axis=0)
-        return total
 
     def bounds(self, pairs: Pairs, outside: Floats) -> dict[str, Any]:
         """Return the error bounds of eigenpairs; ``outside`` is the factor g of each, shape (n,).

@@ -9,7 +9,6 @@ import numpy as np
 
 from cea.arrays import Ints
 from cea.reduced.crossings import Threshold
-from cea.reduced.greedy import Enrichment
 from cea.reduced.thresholds import Found, Unresolved
 from comparisons.study.run_warnings import Run, merged_warnings, named
 from comparisons.sweep.points import Points
@@ -18,21 +17,6 @@ from comparisons.sweep.spectra import UNSTABLE, Spectra
 
 FoundAlong = tuple[dict[str, float], Found]
 """Values of the other fields on a line of the first field, and thresholds along the line."""
-
-
-def record_of(
-    scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], basis: Enrichment
-) -> dict[str, Any]:
-    """Return the record of a sweep on a basis, its thresholds not yet confirmed."""
-    bound, growths = spectra.bound, [each["max_growth"] for each in basis.solves]
-    return common_record(scene, spectra, lines, basis.failed, growths) | {
-        "parameters": [list(each) for each in scene.names],
-        "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-        "vectors": [basis.model.size],
-        "snapshots": basis.solves,
-        "certified": int((bound <= basis.tolerance).sum()),
-        "worst": float(bound.max()),
-    }
 
 
 def common_record(

@@ -28,10 +28,7 @@ _ABOUT = "sweep.json"
 
 
 class Store:
-    """The folder of an unfinished sweep; it is emptied if it belongs to another ``about``.
-
-    ``stored`` is the number of full solves that it held.
-    """
+    """The folder of an unfinished sweep; it is emptied if it belongs to another ``about``."""
 
     def __init__(self, out: Path, about: Mapping[str, Any], comm: Any) -> None:
         self.folder = out.with_name(out.name + ".unfinished")
@@ -43,8 +40,6 @@ class Store:
                 shutil.rmtree(self.folder, ignore_errors=True)
                 write_whole(told.encode(), file)
         comm.barrier()
-        own = self.folder.glob(self._file("solve-*").name)
-        self.stored = min(comm.allgather(len(list(own))))
 
     def once[T](self, name: str, make: Callable[[], T]) -> T:
         """Return the object that this rank stored under a name; make and store it without any."""

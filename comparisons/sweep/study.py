@@ -23,13 +23,7 @@ from cea.reduced.thresholds import thresholds_along
 from comparisons.study.run_warnings import Run
 from comparisons.sweep.points import Axis, Field, Points, as_plain
 from comparisons.sweep.probabilities import continued, probabilities
-from comparisons.sweep.record import (
-    FoundAlong,
-    between_points,
-    common_record,
-    record_of,
-    warnings_of,
-)
+from comparisons.sweep.record import FoundAlong, between_points, common_record, warnings_of
 from comparisons.sweep.scene import NoMapError, SweptScene, in_full, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
@@ -137,7 +131,6 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
             else:
                 store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
                 data, spectra = _OnBasis(asked, scene, store, progress).run()
-                data["stored_before"] = store.stored
                 solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
     finally:
         scene.driver.free()
@@ -169,6 +162,7 @@ class _OnBasis:
         self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep_solve)
         for solve in store.solves():
             self.basis.take(solve)
+        self._stored = len(self.basis.solves)
 
     def run(self) -> tuple[dict[str, Any], Spectra]:
         """Return the record of the sweep, and the modes at all points."""
@@ -179,7 +173,17 @@ class _OnBasis:
         finally:
             self.basis.model.free()
         spectra = Spectra.of_rows(rows)
-        data = record_of(scene, spectra, lines, self.basis)
+        basis, bound = self.basis, spectra.bound
+        growths = [each["max_growth"] for each in basis.solves]
+        data = common_record(scene, spectra, lines, basis.failed, growths) | {
+            "parameters": [list(each) for each in scene.names],
+            "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
+            "vectors": [basis.model.size],
+            "snapshots": basis.solves,
+            "certified": int((bound <= basis.tolerance).sum()),
+            "worst": float(bound.max()),
+            "stored_before": self._stored,
+        }
         if not asked.grid:
             level, damped = scene.window.growth_threshold, scene.pencil.damped
             data |= probabilities(spectra, level, damped=damped)
