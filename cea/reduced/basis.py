@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.block_products import times
+from cea.eigen.block_products import beside, times
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil
@@ -66,14 +66,15 @@ class InnerProduct:
 class Norms:
     """Norms of states and residuals, with X and the saddle problem factorised at given parameters.
 
+    The window ends at ``end`` (rad/s).
     ``states`` is the inner product of bases, ``residuals`` that of Riesz representatives of
     residuals (:meth:`caused`); ``solve`` returns X^-1 v, the static displacements under forces.
     """
 
     def __init__(
-        self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], max_frequency: float
+        self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], end: float
     ) -> None:
-        matrix, factors, self.shift = _definite(pencil, values, max_frequency)
+        matrix, factors, self.shift = _definite(pencil, values, end)
         self._made: list[Any] = [matrix, factors]
         own = slice(0, pieces.displacements)
         self._stiffness = pieces.acting(partial(times, matrix), own, own)
@@ -137,11 +138,9 @@ class Norms:
         self._made.clear()
 
 
-def _definite(
-    pencil: Pencil, values: Mapping[str, float], max_frequency: float
-) -> tuple[Any, Mumps, float]:
+def _definite(pencil: Pencil, values: Mapping[str, float], end: float) -> tuple[Any, Mumps, float]:
     """Return X, its factors and the shift s, which is increased until X is positive definite."""
-    first = (SLOW * 2 * np.pi * max_frequency) ** 2
+    first = (SLOW * end) ** 2
     for shift in (first * 4.0 ** np.arange(_SHIFTS)).tolist():
         parts = []
         for term in pencil.terms:
@@ -161,17 +160,19 @@ def _definite(
 
 
 class Span:
-    """An orthonormal basis of the span of all added blocks."""
+    """An orthonormal basis of the span of all added blocks.
+
+    ``vectors`` are the rows of this rank, shape (n_local, size).
+    """
 
     def __init__(self, norm: InnerProduct) -> None:
         self.norm = norm
-        self._store = np.empty((norm.rows, 0), order="F")
-        self.size = 0
+        self.vectors: Floats = np.empty((norm.rows, 0), order="F")
 
     @property
-    def vectors(self) -> Floats:
-        """The basis, the rows of this rank, shape (n_local, size)."""
-        return self._store[:, : self.size]
+    def size(self) -> int:
+        """Number of vectors."""
+        return self.vectors.shape[1]
 
     def add(self, block: Floats, image: Floats, floor: float) -> tuple[Floats, float]:
         """Extend the basis by the span of a block, except directions with norms up to ``floor``.
@@ -204,11 +205,5 @@ class Span:
         left, products = self._outside(block, self.norm.image(block))
         sizes, axes = np.linalg.eigh(products)
         kept = sizes > _ROUNDING**2
-        size = self.size + int(kept.sum())
-        if size > self._store.shape[1]:
-            store = np.empty((self.norm.rows, max(size, 3 * self._store.shape[1] // 2)), order="F")
-            store[:, : self.size] = self.vectors
-            self._store = store
-        self._store[:, self.size : size] = left @ (axes[:, kept] / np.sqrt(sizes[kept]))
-        self.size = size
+        self.vectors = beside(self.vectors, left @ (axes[:, kept] / np.sqrt(sizes[kept])))
         return bool(kept.all())

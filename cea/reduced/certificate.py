@@ -30,7 +30,7 @@ SIAM J. Sci. Comput. 41 (2019)).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -47,12 +47,8 @@ _TINY = float(np.finfo(float).tiny)
 
 
 def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
-    """Return A x in real arithmetic, without products of imaginary parts that are zero."""
-    turning = np.flatnonzero(vectors.imag.any(axis=0))
-    image = matrix @ np.hstack([vectors.real, vectors.imag[:, turning]])
-    columns = vectors.shape[1]
-    result = image[:, :columns].astype(complex)
-    result.imag[:, turning] = image[:, columns:]
+    """Return A x in real arithmetic."""
+    result: Complexes = matrix @ vectors.real + 1j * (matrix @ vectors.imag)
     return result
 
 
@@ -101,10 +97,6 @@ class Pairs:
     shift: float
     scale: float
 
-    def __getitem__(self, modes: Ints) -> "Pairs":
-        names = ("values", "right", "left", "states", "duals")
-        return replace(self, **{name: getattr(self, name)[..., modes] for name in names})
-
 
 @dataclass(frozen=True)
 class Polynomial:
@@ -116,11 +108,6 @@ class Polynomial:
     def damped(self) -> bool:
         """Whether z is lambda rather than kappa."""
         return any(each.power == 2 for each in self.terms)
-
-    def at(self, z: float) -> Floats:
-        """Return P(z)."""
-        total: Floats = np.sum([e.factor * z**e.power * e.square for e in self.terms], axis=0)
-        return total
 
     def bounds(self, pairs: Pairs, outside: Floats) -> dict[str, Any]:
         """Return the error bounds of eigenpairs; ``outside`` is the factor g of each, shape (n,).
@@ -137,7 +124,7 @@ class Polynomial:
         for number, members in enumerate(connected(near)):
             clusters[members] = number
             if len(members) > 1:
-                residual, doubt, spread = self._together(pairs[members])
+                residual, doubt, spread = self._together(pairs, members)
                 own = float(outside[members].max()) * residual
                 e, p = own + doubt, len(members)
                 reduction[members], means[members] = own, e
@@ -180,11 +167,12 @@ class Polynomial:
             entries = entries + ((np.abs(y) * moved).sum(axis=0) if single else np.abs(y).T @ moved)
         return residuals, np.sqrt(len(y)) * (entries if single else norm(entries))
 
-    def _together(self, pairs: Pairs) -> tuple[float, float, float]:
+    def _together(self, pairs: Pairs, members: Ints) -> tuple[float, float, float]:
         """Return residuals and rounding of the block of a cluster, and norm(B - mean)."""
-        q, q_sizes, q_axes = np.linalg.svd(pairs.states, full_matrices=False)
-        d, d_sizes, d_axes = np.linalg.svd(pairs.duals, full_matrices=False)
-        x, y = pairs.right @ q_axes.conj().T / q_sizes, pairs.left @ d_axes.conj().T / d_sizes
+        q, q_sizes, q_axes = np.linalg.svd(pairs.states[:, members], full_matrices=False)
+        d, d_sizes, d_axes = np.linalg.svd(pairs.duals[:, members], full_matrices=False)
+        x = pairs.right[:, members] @ q_axes.conj().T / q_sizes
+        y = pairs.left[:, members] @ d_axes.conj().T / d_sizes
         try:
             turned = np.linalg.inv(d.conj().T @ q).conj().T / pairs.scale
             inverse = pairs.scale * turned.conj().T @ d.conj().T @ (pairs.operator @ q)

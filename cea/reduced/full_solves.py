@@ -18,8 +18,7 @@ from cea.reduced.crossings import Quantity, Threshold, growing_root, passing
 from cea.reduced.following import Sample
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
-from cea.reduced.pieces import Values
-from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
+from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.thresholds import Line, thresholds_along
 from cea.reduced.window import Window
 
@@ -63,28 +62,28 @@ class ConfirmedThreshold:
 
 
 def line_of_model(
-    small: SmallPencil,
-    parameters: Callable[[float], Values],
+    model: ReducedModel,
+    point: Callable[[float], Mapping[str, float]],
     rates: Mapping[str, float],
     level: float = 0.0,
     known: Mapping[float, ReducedSpectrum] = MappingProxyType({}),
 ) -> Line:
     """Return the line of spectra of a reduced model; those in ``known`` are reused.
 
-    ``parameters`` returns all parameters at a value of the line, which change at ``rates``. Modes
-    with growth rates above ``level`` (1/s) count as growing.
+    ``point`` returns the parameters that vary at a value of the line, which change at ``rates``.
+    Modes with growth rates above ``level`` (1/s) count as growing.
     """
-    window = replace(small.window, level=level)
+    small = model.small
 
     def at(value: float) -> Sample:
-        values = parameters(value)
+        values = model.pencil.values(point(value))
         found = known.get(value) or small.at(values)
         slopes = small.slopes(found, values, rates)
         shapes, bounds = found.right[~small.forces], (found.errors, found.means, found.clusters)
         vectors = shapes / np.linalg.norm(shapes, axis=0)
         return Sample(value, found.z, slopes, *bounds, vectors)
 
-    return Line(window, at)
+    return Line(replace(small.window, level=level), at)
 
 
 def first_threshold(
@@ -115,16 +114,14 @@ def first_threshold(
 
     for value in (real, flutter):
         driver.pencil.values(point(value))
-    pencil = driver.pencil
     box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
     training = np.linspace(real, flutter, _TRAINING).tolist()
-    model = ReducedModel(pencil, box, max_frequency)
+    model = ReducedModel(driver.pencil, box, max_frequency)
     try:
         Enrichment(model, driver).cover([point(value) for value in training])
     finally:
         model.free()
-    rates = dict.fromkeys(names, 1.0)
-    line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
+    line = line_of_model(model, point, dict.fromkeys(names, 1.0))
     found = thresholds_along(line, training)
     kinds = ("flutter", "divergence") if line.window.damped else ("flutter",)
     way = 1.0 if flutter > real else -1.0

@@ -5,21 +5,27 @@ bound, the safety factor of all bounds is raised.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
 
 import numpy as np
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.modes import Modes
+from cea.eigen.spectrum import Spectrum
 from cea.errors import ConvergenceError, ResultWarning
-from cea.reduced.model import ReducedModel, Snapshot
+from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.window import MARGIN
 
 Point = Mapping[str, float]
 """Values of the parameters that vary."""
+FullSolve = tuple[dict[str, Any], Modes]
+"""A full solve: plain data, and modes with left vectors, without pencil so that they can be stored.
+
+The data are the "point", whether the window is "complete", "max_growth" (1/s) up to which it is
+(None: any), and "warnings"."""
 
 TOLERANCE = 1e-8
 """Relative error bound of lambda up to which a value counts as certified."""
@@ -35,10 +41,10 @@ class Enrichment:
 
     ``tolerance`` is the target of relative error bounds of lambda. ``warnings`` returns the
     warnings about modes at a point; ``begin`` is called before each full solve, and ``keep`` with
-    its snapshot. ``solves`` lists all full solves as plain data; its "tested" is the largest error
-    of the reduced model there relative to its bound: infinite where a mode was missing, None where
-    the bounds were too large for a test. ``failed`` lists points where the full solve failed, with
-    the reason.
+    its number and it. ``solves`` lists all full solves as plain data; its "tested" is the largest
+    error of the reduced model there relative to its bound: infinite where a mode was missing, None
+    where the bounds were too large for a test. ``failed`` lists points where the full solve failed,
+    with the reason.
     """
 
     model: ReducedModel
@@ -47,7 +53,7 @@ class Enrichment:
     most: int = 100
     warnings: Callable[[Modes, Point], tuple[ResultWarning, ...]] = lambda modes, _: modes.warnings
     begin: Callable[[Point], None] = lambda _: None
-    keep: Callable[[Snapshot], None] = lambda _: None
+    keep: Callable[[int, FullSolve], None] = lambda *_: None
     solves: list[dict[str, Any]] = field(default_factory=list)
     failed: list[dict[str, Any]] = field(default_factory=list)
 
@@ -55,26 +61,25 @@ class Enrichment:
         """Return the spectrum of the reduced model at a point."""
         return self.model.small.at(self.model.pencil.values(point))
 
-    def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
+    def cover(self, points: Sequence[Point], tolerance: float | None = None) -> None:
         """Solve where bounds are largest until all are small or ``most`` solves are made.
 
-        Returns the largest bound left, without points whose solve failed. A point with a small
-        bound is not checked again, since bounds hardly rise as the basis grows.
+        A point with a small bound is not checked again, since bounds hardly rise as the basis
+        grows.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
         if points and not self.solves:
             self.solve(points[len(points) // 2])
         done = [each["point"] for each in (*self.solves, *self.failed)]
         left = [dict(each) for each in points if dict(each) not in done]
-        while left:
+        while left and len(self.solves) < self.most:
             bounds = [self.worst(point) for point in left]
             worst = int(np.argmax(bounds))
-            if bounds[worst] <= tolerance or len(self.solves) >= self.most:
-                return bounds[worst]
+            if bounds[worst] <= tolerance:
+                return
             self.solve(left[worst])
             both = enumerate(zip(left, bounds, strict=True))
             left = [point for i, (point, bound) in both if bound > tolerance and i != worst]
-        return 0.0
 
     def solve(self, point: Point) -> float | None:
         """Solve the full pencil at a point, test the model and extend it; return the test."""
@@ -82,25 +87,33 @@ class Enrichment:
         window = self.model.small.window
         least = -window.reach if window.damped else None
         try:
-            top = MARGIN * window.max_frequency
+            top = MARGIN * (window.end / (2 * np.pi))
             modes = self.driver.solve(top, point, min_growth=least, left=True)
         except ConvergenceError as error:
             self.failed.append({"point": dict(point), "reason": str(error)})
             return None
-        solved = Snapshot.of(point, modes, self.warnings(modes, point))
-        self.keep(solved)
+        growth, nothing = float(modes.window.max_growth), cast(Any, None)
+        about = {
+            "point": {name: float(value) for name, value in point.items()},
+            "complete": bool(modes.window.complete),
+            "max_growth": growth if np.isfinite(growth) else None,
+            "warnings": [warning.plain() for warning in self.warnings(modes, point)],
+        }
+        solved = about, replace(modes, pencil=nothing, template=nothing)
+        self.keep(len(self.solves), solved)
         return self.take(solved)
 
-    def take(self, taken: Snapshot) -> float | None:
+    def take(self, solved: FullSolve) -> float | None:
         """Test the reduced model by a full solve and extend it; return "tested" (see the class)."""
-        point, tested = taken.about["point"], None
+        about, modes = solved
+        point, tested = about["point"], None
         if self.worst(point) <= _MEANINGFUL:
-            ratio = largest_ratio(self.at(point), taken)
+            ratio = largest_ratio(self.at(point), modes)
             tested = self.model.norms.states.comm.bcast(ratio)
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.safety)
-        self.model.take(taken)
-        self.solves.append({"tested": tested, **taken.about})
+        self.model.take(modes)
+        self.solves.append({"tested": tested, **about})
         return tested
 
     def stands(self, points: Sequence[Point]) -> bool:
@@ -119,7 +132,7 @@ class Enrichment:
         return float(self.model.norms.states.comm.bcast(self.at(point).worst))
 
 
-def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
+def largest_ratio(found: ReducedSpectrum, full: Spectrum) -> float:
     """Return the largest error of eigenvalues relative to their bounds; infinite if one is missing.
 
     Clusters are compared by their means. Both lists extend beyond the window, so that eigenvalues
@@ -141,7 +154,7 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
         if not found.inside[mine].any():
             continue
         error = abs((found.z[mine] - theirs[rows[members]]).mean())
-        known = full.uncertainties[rows[members]]
+        known = full.growth_uncertainties[rows[members]]
         if members.sum() > 1:  # the mean is less sensitive than its members
             known = known / full.conditions[rows[members]]
         known = known.max() * (1.0 if window.damped else 2 * full.speeds[rows[members]].max())

@@ -18,21 +18,19 @@ without bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. En
 A softer contact needs none: its gaps open in the full solves.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
-from cea.errors import ResultWarning
 from cea.reduced.basis import InnerProduct, Norms, Span
 from cea.reduced.certificate import Term
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
 from cea.reduced.spectrum import SmallPencil
-from cea.reduced.window import Window
+from cea.reduced.window import DECAY, Window
 
 BASIS = 1e-6
 """Norm of the part of an eigenvector outside the basis, relative to its energy norm, below which it
@@ -43,61 +41,27 @@ FORCES = 1e-8
 """Relative norm of contact forces below which the basis drops them; errors go with its square."""
 
 
-@dataclass(frozen=True)
-class Snapshot:
-    """Modes of a full solve with left vectors, the rows of this rank.
+def _real_vectors(modes: Modes, norm: InnerProduct, *, damped: bool) -> Floats:
+    """Return states of real and imaginary parts of all eigenvectors, scaled to unit norm.
 
-    ``about`` is plain data: the "point", whether the window is "complete", "max_growth" (1/s) up to
-    which it is (None: any), and "warnings". lambda, reference values of relative errors, errors
-    (1/s) and condition numbers have shape (n,); right and left eigenvectors and contact forces have
-    shape (rows, n).
+    Only one of two conjugate kappa is used; there are none with damping. Phases are chosen to
+    maximise the real parts.
     """
+    assert modes.left is not None
+    one = ((-(modes.eigenvalues**2)).imag >= 0) | damped
+    parts = [_parts(norm, modes.vectors[:, one])]
+    if norm.comm.allreduce(not np.array_equal(modes.left.vectors, modes.vectors)):
+        parts.append(_parts(norm, modes.left.vectors[:, one]))
+    return np.hstack(parts)
 
-    about: Mapping[str, Any]
-    eigenvalues: Complexes
-    speeds: Floats
-    uncertainties: Floats
-    conditions: Floats
-    right: Complexes
-    left: Complexes
-    forces: Complexes
-    left_forces: Complexes
 
-    @classmethod
-    def of(
-        cls, point: Mapping[str, float], modes: Modes, warnings: Sequence[ResultWarning] = ()
-    ) -> "Snapshot":
-        """Return the snapshot of modes with left vectors at a point."""
-        assert modes.left is not None
-        growth = float(modes.window.max_growth)
-        about = {
-            "point": {name: float(value) for name, value in point.items()},
-            "complete": bool(modes.window.complete),
-            "max_growth": growth if np.isfinite(growth) else None,
-            "warnings": [warning.plain() for warning in warnings],
-        }
-        values = modes.eigenvalues, modes.speeds, modes.growth_uncertainties, modes.conditions
-        contacts = sum(each.closure.getLocalSize()[0] for each in modes.pencil.forces)
-        forces = modes.forces[:contacts], modes.left.forces[:contacts]
-        return cls(about, *values, modes.vectors, modes.left.vectors, *forces)
-
-    def real_vectors(self, norm: InnerProduct, *, damped: bool) -> Floats:
-        """Return states of real and imaginary parts of all eigenvectors, scaled to unit norm.
-
-        Only one of two conjugate kappa is used; there are none with damping. Phases are chosen to
-        maximise the real parts.
-        """
-        one = ((-(self.eigenvalues**2)).imag >= 0) | damped
-        parts = [_parts(norm, self.right[:, one])]
-        if norm.comm.allreduce(not np.array_equal(self.left, self.right)):
-            parts.append(_parts(norm, self.left[:, one]))
-        return np.hstack(parts)
-
-    def real_forces(self) -> Floats:
-        """Return states of real and imaginary parts of all contact forces."""
-        both = self.forces, self.left_forces
-        parts = np.hstack([part for each in both for part in (each.real, each.imag)])
-        return np.vstack([np.zeros((len(self.right), parts.shape[1])), parts])
+def _real_forces(modes: Modes, norm: InnerProduct) -> Floats:
+    """Return states of real and imaginary parts of all contact forces."""
+    assert modes.left is not None
+    first = len(modes.vectors)
+    both = modes.forces[: norm.rows - first], modes.left.forces[: norm.rows - first]
+    parts = np.hstack([part for each in both for part in (each.real, each.imag)])
+    return np.pad(parts, ((first, 0), (0, 0)))
 
 
 def _parts(norm: InnerProduct, vectors: Complexes) -> Floats:
@@ -146,7 +110,8 @@ class ReducedModel:
         stiff = {name for each in pencil.forces for name in each.inverse_stiffness.names}
         softest = {name: ends[name in stiff] for name, ends in box.items()}
         values = pencil.values(softest)
-        self.norms = Norms(pencil, self._pieces, values, max_frequency)
+        end = 2 * np.pi * max_frequency
+        self.norms = Norms(pencil, self._pieces, values, end)
         both = zip(self._pieces.contacts, pencil.forces, strict=True)
         self._stiff = [
             contact
@@ -157,11 +122,10 @@ class ReducedModel:
         self._forces = np.empty(0, dtype=bool)  # which vectors of the basis are forces
         self._widest: dict[ContactPiece, float] = {}
         damped = any(piece.role == "damping" for piece in self._pieces.all)
-        decay = None if min_growth is None else -min_growth
-        window = Window.up_to(max_frequency, damped=damped, decay=decay)
-        powers = {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": (1.0, 2)}
-        if not damped:
-            powers["mass"] = (-1.0, 1)
+        decay = DECAY * end if min_growth is None else -min_growth
+        window = Window(end, damped, decay=decay if damped else np.inf)
+        of_mass = (1.0, 2) if damped else (-1.0, 1)
+        powers = {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": of_mass}
         nothing = np.empty((0, 0))
         pieces = [
             (e.coefficient, Term(*powers[e.role], nothing, nothing, nothing, 0.0, nothing))
@@ -174,10 +138,11 @@ class ReducedModel:
         """Number of vectors of the basis."""
         return self._basis.size
 
-    def take(self, taken: Snapshot) -> None:
+    def take(self, modes: Modes) -> None:
         """Extend the basis by the right and left vectors and contact forces of a full solve."""
-        norm, before, forces = self.norms.states, self._basis.size, taken.real_forces()
-        blocks = [taken.real_vectors(norm, damped=self.small.window.damped)]
+        norm, before = self.norms.states, self._basis.size
+        forces = _real_forces(modes, norm)
+        blocks = [_real_vectors(modes, norm, damped=self.small.window.damped)]
         for contact in self._pieces.contacts:
             own = np.zeros_like(forces)
             own[contact.rows] = forces[contact.rows]

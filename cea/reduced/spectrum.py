@@ -132,7 +132,8 @@ def _pairs(
     own = ~forces
     squares = {each.power: each.square[np.ix_(own, own)] for each in pencil.terms}
     root = np.linalg.cholesky(squares[max(squares)])
-    factors, k = lu_factor(pencil.at(shift)), len(root)
+    shifted = np.sum([e.factor * shift**e.power * e.square for e in pencil.terms], axis=0)
+    factors, k = lu_factor(shifted), len(root)
 
     def balanced(loads: Any, *, left: bool = False) -> NDArray[Any]:
         """Return displacements and contact forces under loads."""

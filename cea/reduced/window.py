@@ -12,7 +12,7 @@ MARGIN = 1.15
 """Largest frequency of modes in the basis relative to the end of the window."""
 _FURTHER = 0.05
 """Margin of the decay rate of modes in the basis beyond that of the window, relative to its end."""
-_DECAY = 0.1
+DECAY = 0.1
 """Default decay rate of a damped window relative to its end."""
 
 
@@ -28,18 +28,6 @@ class Window:
     damped: bool
     level: float = 0.0
     decay: float = np.inf
-
-    @classmethod
-    def up_to(cls, max_frequency: float, *, damped: bool, decay: float | None = None) -> "Window":
-        """Return the window up to a frequency (Hz); without damping any decay rate is inside."""
-        end = 2 * np.pi * max_frequency
-        known = _DECAY * end if decay is None else decay
-        return cls(end, damped, decay=known if damped else np.inf)
-
-    @property
-    def max_frequency(self) -> float:
-        """End of the window (Hz)."""
-        return self.end / (2 * np.pi)
 
     @property
     def reach(self) -> float:

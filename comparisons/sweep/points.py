@@ -1,11 +1,7 @@
-"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``.
-
-They lie in boxes, each with its own basis: an axis over more than two decades is cut.
-"""
+"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from itertools import pairwise, product
+from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -17,10 +13,11 @@ from scenes.spec.consistency import LARGEST, SMALLEST
 _MOST = 10_000
 """Largest number of values of an axis."""
 _AXIS = "name=first:last:count, or name=first:last:log:count"
-_DECADES = 2.0
-"""Decades of a field that a box spans at most, unless two neighbouring values are farther apart."""
-_TRAINING = 5
-"""Number of training points along an axis, at which bounds are evaluated to enrich the basis."""
+_TRAINING, _IN_DECADES = 5, 17
+"""Number of training points along an axis, at which bounds are evaluated to enrich the basis, and
+along a wide one."""
+_WIDE = 100.0
+"""Ratio of the ends of an axis above which it is wide."""
 _TOGETHER = 64
 """Number of samples in a group."""
 _SAMPLES = 48
@@ -140,25 +137,15 @@ class Points:
         return np.array_split(numbers, -(-len(numbers) // _TOGETHER))
 
     @property
-    def boxes(self) -> list["Box"]:
-        """Boxes that hold all points; neighbours along the first axis share the value between."""
+    def training(self) -> Ints:
+        """Indices of the points at which bounds are evaluated to enrich the basis."""
         numbers = np.arange(len(self.values))
         if not self.axes:
             at_ends = self.values.argmin(axis=0), self.values.argmax(axis=0)
-            training = np.unique(np.concatenate([*at_ends, numbers[:_SAMPLES]]))
-            return [Box(tuple(self.ends), self.parts, training)]
-        boxes, numbers = [], numbers.reshape(self.counts)
-        for stretches in product(*map(_stretches, self.axes)):
-            whole = numbers[np.ix_(*stretches)]
-            ends = replace(self, values=self.values[whole.ravel()]).ends
-            # A value at the border of another axis than the first belongs to the box below.
-            own = [each[1:] if each[0] else each for each in stretches[1:]]
-            lines = numbers[np.ix_(stretches[0], *own)].reshape(len(stretches[0]), -1)
-            few = [
-                np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in whole.shape
-            ]
-            boxes.append(Box(tuple(ends), list(lines.T), whole[np.ix_(*few)].ravel()))
-        return boxes
+            return np.unique(np.concatenate([*at_ends, numbers[:_SAMPLES]]))
+        few = [np.linspace(0, len(each) - 1, _training_of(each)) for each in self.axes]
+        chosen = np.ix_(*(each.round().astype(int) for each in few))
+        return numbers.reshape(self.counts)[chosen].ravel()
 
     @property
     def ends(self) -> list[tuple[float, float]]:
@@ -167,30 +154,10 @@ class Points:
         return list(zip(lows, highs, strict=True))
 
 
-@dataclass(frozen=True)
-class Box:
-    """Points that share a basis.
-
-    Least and greatest value of each field, those of a neighbour included; indices of the points
-    that are solved together, a line or a group of samples; indices of the training points.
-    """
-
-    ends: tuple[tuple[float, float], ...]
-    parts: list[Ints]
-    training: Ints
-
-
-def _stretches(values: Floats) -> list[Ints]:
-    """Numbers of neighbouring values within two decades, a border in both of its stretches."""
-    last, cuts = len(values) - 1, [0]
-    if not (values > 0).all():
-        return [np.arange(last + 1)]
-    logarithms = np.log10(values)
-    while cuts[-1] < last:
-        away = np.abs(logarithms - logarithms[cuts[-1]])
-        within = np.flatnonzero(away <= _DECADES * (1 + 1e-9))
-        cuts.append(max(int(within.max()), cuts[-1] + 1))
-    return [np.arange(low, high + 1) for low, high in pairwise(cuts)]
+def _training_of(axis: Floats) -> int:
+    """Return the number of training points along an axis."""
+    wide = axis.min() > 0 and axis.max() > _WIDE * axis.min()
+    return min(_IN_DECADES if wide else _TRAINING, len(axis))
 
 
 def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: int) -> Points:
@@ -214,15 +181,14 @@ def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: 
 def read_axis(text: str) -> Axis:
     """Read an axis from its text; InputError when it is none."""
     name, equals, rest = text.partition("=")
-    parts = rest.split(":")
-    log = len(parts) == 4 and parts[2] == "log"
-    if not (name and equals) or len(parts) != (4 if log else 3):
-        raise InputError("axis", text, _AXIS)
     try:
-        first, last, count = float(parts[0]), float(parts[1]), int(parts[-1])
+        first, last, *log, count = rest.split(":")
+        numbers = float(first), float(last), int(count)
     except ValueError:
         raise InputError("axis", text, _AXIS) from None
-    return Axis(name, first, last, count, log)
+    if not (name and equals) or log not in ([], ["log"]):
+        raise InputError("axis", text, _AXIS)
+    return Axis(name, *numbers, bool(log))
 
 
 def read_distribution(text: str) -> Distribution:

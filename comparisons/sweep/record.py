@@ -9,7 +9,6 @@ import numpy as np
 
 from cea.arrays import Ints
 from cea.reduced.crossings import Threshold
-from cea.reduced.greedy import Enrichment
 from cea.reduced.thresholds import Found, Unresolved
 from comparisons.study.run_warnings import Run, merged_warnings, named
 from comparisons.sweep.points import Points
@@ -18,25 +17,6 @@ from comparisons.sweep.spectra import UNSTABLE, Spectra
 
 FoundAlong = tuple[dict[str, float], Found]
 """Values of the other fields on a line of the first field, and thresholds along the line."""
-
-
-def record_of(
-    scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], bases: Sequence[Enrichment]
-) -> dict[str, Any]:
-    """Return the record of a sweep on bases, its thresholds not yet confirmed."""
-    bound, tolerance = spectra.bound, bases[0].tolerance
-    # Full solves at the border of two boxes serve both.
-    solves = {tuple(each["point"].values()): each for basis in bases for each in basis.solves}
-    failed = [each for basis in bases for each in basis.failed]
-    growths = [each["max_growth"] for each in solves.values()]
-    return common_record(scene, spectra, lines, failed, growths) | {
-        "parameters": [list(each) for each in scene.names],
-        "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-        "vectors": [basis.model.size for basis in bases],
-        "snapshots": list(solves.values()),
-        "certified": int((bound <= tolerance).sum()),
-        "worst": float(bound.max()),
-    }
 
 
 def common_record(

@@ -1,6 +1,5 @@
 """Modes at all points of a sweep: arrays, and their netCDF file."""
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -126,7 +125,7 @@ def _padded(known: Any, count: int) -> NDArray[Any]:
 
 
 def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
-    """Write all modes to one netCDF file, which is replaced atomically.
+    """Write all modes to one netCDF file.
 
     Axes are dimensions; samples have one dimension "sample", and their fields are variables.
     """
@@ -152,9 +151,7 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
             coordinates[name] = points.axes[i]
         else:
             data[name] = (("sample",), points.values[:, i], {"long_name": "drawn"})
-    part = file.with_suffix(f".{os.getpid()}.part")
-    xarray.Dataset(data, coordinates).to_netcdf(part, engine=ENGINE)
-    part.replace(file)
+    xarray.Dataset(data, coordinates).to_netcdf(file, engine=ENGINE)
 
 
 def read_netcdf(names: Sequence[str], file: Path, *, grid: bool) -> tuple[list[Floats], Spectra]:

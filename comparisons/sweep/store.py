@@ -1,14 +1,13 @@
 """Storage of full solves and finished lines of a sweep, from which an interrupted one resumes.
 
 The folder is named like that of the result with the ending ``.unfinished``. It holds the full
-solves of every box (a file for each rank), from which its basis is rebuilt, and every finished line
-of points.
+solves (a file for each rank), from which the basis is rebuilt, and every finished line of points.
 """
 
 import json
 import pickle
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
@@ -20,7 +19,7 @@ from cea import __version__
 from cea.eigen.block_products import times
 from cea.files import write_whole
 from cea.petsc import Mat
-from cea.reduced.model import Snapshot
+from cea.reduced.greedy import FullSolve
 from comparisons.sweep.scene import SweptScene
 from scenes.results.record import as_json
 from scenes.spec.plain import plain_data
@@ -29,10 +28,7 @@ _ABOUT = "sweep.json"
 
 
 class Store:
-    """The folder of an unfinished sweep; it is emptied if it belongs to another ``about``.
-
-    ``stored`` is the number of full solves that it held.
-    """
+    """The folder of an unfinished sweep; it is emptied if it belongs to another ``about``."""
 
     def __init__(self, out: Path, about: Mapping[str, Any], comm: Any) -> None:
         self.folder = out.with_name(out.name + ".unfinished")
@@ -44,29 +40,26 @@ class Store:
                 shutil.rmtree(self.folder, ignore_errors=True)
                 write_whole(told.encode(), file)
         comm.barrier()
-        own = self.folder.glob(self._file("*-solve-*").name)
-        self.stored = min(comm.allgather(len(list(own))))
 
-    def keep(self, name: str, made: Any) -> None:
-        """Store an object of this rank under a name."""
-        write_whole(pickle.dumps(made), self._file(name))
-
-    def kept(self, name: str) -> Any:
-        """Return the object that this rank stored under a name; None without any."""
+    def once[T](self, name: str, make: Callable[[], T]) -> T:
+        """Return the object that this rank stored under a name; make and store it without any."""
         file = self._file(name)
-        return pickle.loads(file.read_bytes()) if file.is_file() else None
+        if not file.is_file():
+            write_whole(pickle.dumps(make()), file)
+        stored: T = pickle.loads(file.read_bytes())
+        return stored
 
-    def keep_solve(self, box: str, number: int, solve: Snapshot) -> None:
-        """Store a full solve of a box; it is complete once every rank has written it."""
-        self.keep(_solve(box, number), solve)
+    def keep_solve(self, number: int, solve: FullSolve) -> None:
+        """Store a full solve; it is complete once every rank has written it."""
+        write_whole(pickle.dumps(solve), self._solve(number))
 
-    def solves(self, box: str) -> Iterator[Snapshot]:
-        """Yield the stored full solves of a box in their order."""
+    def solves(self) -> Iterator[FullSolve]:
+        """Yield the stored full solves in their order."""
         for number in count():
-            name = _solve(box, number)
-            if self._comm.allreduce(self._file(name).is_file()) < self._comm.size:
+            file = self._solve(number)
+            if self._comm.allreduce(file.is_file()) < self._comm.size:
                 return
-            yield self.kept(name)
+            yield pickle.loads(file.read_bytes())
 
     def discard(self) -> None:
         """Remove the folder: its sweep is finished."""
@@ -77,9 +70,8 @@ class Store:
     def _file(self, name: str) -> Path:
         return self.folder / f"{name}.rank{self._comm.rank}"
 
-
-def _solve(box: str, number: int) -> str:
-    return f"{box}-solve-{number:04d}"
+    def _solve(self, number: int) -> Path:
+        return self._file(f"solve-{number:04d}")
 
 
 def fingerprint(scene: SweptScene) -> list[str]:

@@ -1,8 +1,9 @@
 """A sweep: modes of a scene at a table of points, by a reduced model or by full solves."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -16,19 +17,13 @@ from cea.ranks import agreed
 from cea.reduced.crossings import Threshold
 from cea.reduced.full_solves import confirm, line_of_model
 from cea.reduced.greedy import TOLERANCE, Enrichment
-from cea.reduced.model import ReducedModel, Snapshot
-from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
+from cea.reduced.model import ReducedModel
+from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.thresholds import thresholds_along
 from comparisons.study.run_warnings import Run
 from comparisons.sweep.points import Axis, Field, Points, as_plain
 from comparisons.sweep.probabilities import continued, probabilities
-from comparisons.sweep.record import (
-    FoundAlong,
-    between_points,
-    common_record,
-    record_of,
-    warnings_of,
-)
+from comparisons.sweep.record import FoundAlong, between_points, common_record, warnings_of
 from comparisons.sweep.scene import NoMapError, SweptScene, in_full, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
@@ -40,8 +35,6 @@ COMMAND = "sweep"
 _AT_FIRST = 0.5
 """Target of error bounds at the training points relative to the tolerance; elsewhere they are
 larger."""
-_AT_ONCE = 64
-"""Largest number of uncertified points, the worst, for which a basis is enriched at a time."""
 _MOST_SAMPLES = 1_000_000
 _Part = tuple[FoundAlong | None, list[dict[str, Any]]]
 """Thresholds of a part that is a line, and rows of :class:`Spectra` of its points."""
@@ -137,8 +130,7 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
                 data, spectra, solves = _run_in_full(scene, why, progress)
             else:
                 store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
-                data, spectra = _on_bases(asked, scene, store, progress)
-                data["stored_before"] = store.stored
+                data, spectra = _OnBasis(asked, scene, store, progress).run()
                 solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
     finally:
         scene.driver.free()
@@ -152,88 +144,75 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
     return Swept(told, scene.points, spectra, store)
 
 
-def _on_bases(
-    asked: Asked, scene: SweptScene, store: Store, progress: Callable[[str], None]
-) -> tuple[dict[str, Any], Spectra]:
-    """Return the record of a sweep with one basis for each box, and modes at all points."""
-    rows, lines, bases = dict[int, dict[str, Any]](), list[FoundAlong](), list[_OnBasis]()
-    for number in range(len(scene.points.boxes)):
-        bases.append(_OnBasis(asked, scene, store, progress, number))
-        made, found = bases[-1].solved()
-        rows |= made
-        lines += found
-    spectra = Spectra.of_rows([rows[i] for i in range(len(rows))])
-    data = record_of(scene, spectra, lines, [each.basis for each in bases])
-    if not asked.grid:
-        level, damped = scene.window.growth_threshold, scene.pencil.damped
-        data |= probabilities(spectra, level, damped=damped)
-    places = [(others, each) for others, line in lines for each in line.thresholds]
-    chosen = np.linspace(0, len(places) - 1, min(asked.confirm, len(places))).round()
-    for number in np.unique(chosen).astype(int).tolist():
-        progress(f"threshold {number + 1} of {len(places)}, solved in full")
-        data["thresholds"][number]["full_solve_differs"] = bases[0].difference(*places[number])
-    return data, spectra
-
-
 class _OnBasis:
-    """The points of a box, solved on a basis of full solves."""
+    """A sweep on a basis of full solves."""
 
     def __init__(
-        self,
-        asked: Asked,
-        scene: SweptScene,
-        store: Store,
-        progress: Callable[[str], None],
-        number: int,
+        self, asked: Asked, scene: SweptScene, store: Store, progress: Callable[[str], None]
     ) -> None:
         self._asked, self._scene, self._progress = asked, scene, progress
-        self._store, self._box, self._own = store, scene.points.boxes[number], 0
-        boxes = [f"box-{i:03d}" for i in range(number + 1)]
-        self._name = boxes[-1]
-        low, high = (scene.point(each) for each in zip(*self._box.ends, strict=True))
-        ends = {name: (low[name], high[name]) for name in low}
+        self._store = store
+        low, high = (scene.point(each) for each in zip(*scene.points.ends, strict=True))
+        box = {name: (low[name], high[name]) for name in low}
         top, low_growth = scene.window.max_frequency, scene.window.min_growth
-        model = ReducedModel(scene.pencil, ends, top, low_growth)
+        model = ReducedModel(scene.pencil, box, top, low_growth)
         level = scene.window.growth_threshold or 0.0
         self._window = replace(model.small.window, level=level)
         settings = asked.tolerance, asked.most, scene.warnings
-        self.basis = Enrichment(model, scene.driver, *settings, self._begin, self._keep)
-        for name in boxes:  # solves of earlier boxes on the border serve this one too
-            for solve in store.solves(name):
-                at = solve.about["point"]
-                if all(low[field] <= at[field] <= high[field] for field in at):
-                    self.basis.take(solve)
-                    self._own += name == self._name
+        self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep_solve)
+        for solve in store.solves():
+            self.basis.take(solve)
+        self._stored = len(self.basis.solves)
 
-    def solved(self) -> tuple[dict[int, dict[str, Any]], list[FoundAlong]]:
-        """Return the rows of the points of the box, by index, and thresholds along its lines."""
+    def run(self) -> tuple[dict[str, Any], Spectra]:
+        """Return the record of the sweep, and the modes at all points."""
+        asked, scene = self._asked, self._scene
         try:
             self._train()
-            return self._covered()
+            rows, lines = self._covered()
         finally:
             self.basis.model.free()
+        spectra = Spectra.of_rows(rows)
+        basis, bound = self.basis, spectra.bound
+        growths = [each["max_growth"] for each in basis.solves]
+        data = common_record(scene, spectra, lines, basis.failed, growths) | {
+            "parameters": [list(each) for each in scene.names],
+            "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
+            "vectors": [basis.model.size],
+            "snapshots": basis.solves,
+            "certified": int((bound <= basis.tolerance).sum()),
+            "worst": float(bound.max()),
+            "stored_before": self._stored,
+        }
+        if not asked.grid:
+            level, damped = scene.window.growth_threshold, scene.pencil.damped
+            data |= probabilities(spectra, level, damped=damped)
+        places = [(others, each) for others, line in lines for each in line.thresholds]
+        chosen = np.linspace(0, len(places) - 1, min(asked.confirm, len(places))).round()
+        for number in np.unique(chosen).astype(int).tolist():
+            self._progress(f"threshold {number + 1} of {len(places)}, solved in full")
+            data["thresholds"][number]["full_solve_differs"] = self._difference(*places[number])
+        return data, spectra
 
-    def _covered(self) -> tuple[dict[int, dict[str, Any]], list[FoundAlong]]:
-        """Return the rows and thresholds, once the basis is trained.
+    def _covered(self) -> tuple[list[dict[str, Any]], list[FoundAlong]]:
+        """Return the rows of all points and the thresholds, once the basis is trained.
 
         The basis is enriched until all points are certified or the full solves are used up; parts
         with an uncertified point are recomputed.
         """
         model, tolerance = self.basis.model, self._asked.tolerance
-        parts, done = self._box.parts, dict[int, _Part]()
+        parts, done = self._scene.points.parts, dict[int, _Part]()
         numbers = np.concatenate(parts)
         while True:
             done |= self._made([i for i in range(len(parts)) if i not in done])
             rows = [row for i in range(len(parts)) for row in done[i][1]]
             worst = np.array([row["worst"] for row in rows])
-            order = np.argsort(-worst, kind="stable")
-            order = order[worst[order] > tolerance][:_AT_ONCE]
-            size, safety = model.size, model.small.safety
-            self.basis.cover([self._point(i) for i in numbers[order].tolist()])
-            same = model.small.safety == safety
-            if same and model.size == size:
+            small = model.small
+            self.basis.cover([self._point(i) for i in numbers[worst > tolerance].tolist()])
+            if model.small is small:
                 lines = [line for i in range(len(parts)) if (line := done[i][0])]
-                return dict(zip(numbers.tolist(), rows, strict=True)), lines
+                return [rows[i] for i in np.argsort(numbers).tolist()], lines
+            same = model.small.safety == small.safety
             sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
             done = {i: done[i] for i in sure if same}
 
@@ -242,12 +221,12 @@ class _OnBasis:
 
         ConvergenceError when the last full solves violate the bounds.
         """
-        asked, own, basis = self._asked, np.concatenate(self._box.parts), self.basis
-        training = [self._point(i) for i in self._box.training]
+        asked, points, basis = self._asked, self._scene.points, self.basis
+        training = [self._point(i) for i in points.training]
         generator = np.random.default_rng(asked.seed)
         while True:
             basis.cover(training, _AT_FIRST * asked.tolerance)
-            checked = generator.choice(own, size=asked.checks)
+            checked = generator.choice(np.concatenate(points.parts), size=asked.checks)
             spent = len(basis.solves) >= asked.most
             if spent or basis.stands([self._point(i) for i in checked]):
                 return
@@ -257,10 +236,6 @@ class _OnBasis:
                     "model; lower max_frequency, or allow more full solves"
                 )
 
-    def _keep(self, solve: Snapshot) -> None:
-        self._store.keep_solve(self._name, self._own, solve)
-        self._own += 1
-
     def _begin(self, point: Mapping[str, float]) -> None:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
         self._progress(f"full solve: {shown}")
@@ -268,25 +243,26 @@ class _OnBasis:
     def _made(self, missing: list[int]) -> dict[int, _Part]:
         """Compute missing parts, distributed over the ranks; stored ones are read."""
         comm, small = MPI.COMM_WORLD, self.basis.model.small
-        basis = f"{self._name}-of-{len(self.basis.solves)}-solves-{small.safety:g}"
-        values, parts = self._scene.points.values, self._box.parts
-        made, middle = dict[int, _Part](), None
+        basis = f"{len(self.basis.solves)}-solves-{small.safety:g}"
+        values, parts = self._scene.points.values, self._scene.points.parts
+        middle = None
         if not self._asked.grid:
             nearest = np.abs(values - np.median(values, axis=0)) / np.ptp(values, axis=0)
             middle = small.at(self._values(int(nearest.max(axis=1).argmin())))
-        with agreed(comm):
-            for i in np.array_split(missing, comm.size)[comm.rank].tolist():
-                name = f"{basis}-part-{i:05d}"
-                if (part := self._store.kept(name)) is None:
-                    self._progress(f"{i + 1} of {len(parts)} lines or groups of samples")
-                    part = self._part(parts[i], small, middle)
-                    self._store.keep(name, part)
-                made[i] = part
-        return {i: part for share in comm.allgather(made) for i, part in share.items()}
 
-    def _part(self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None) -> _Part:
+        def part(i: int) -> _Part:
+            self._progress(f"{i + 1} of {len(parts)} lines or groups of samples")
+            return self._part(parts[i], middle)
+
+        with agreed(comm):
+            own = np.array_split(missing, comm.size)[comm.rank].tolist()
+            made = {i: self._store.once(f"{basis}-part-{i:05d}", partial(part, i)) for i in own}
+        return {i: each for share in comm.allgather(made) for i, each in share.items()}
+
+    def _part(self, numbers: Ints, middle: ReducedSpectrum | None) -> _Part:
         """Return the thresholds of a part, and the rows of its points."""
-        scene, spectra, rows = self._scene, list[ReducedSpectrum](), []
+        scene, small = self._scene, self.basis.model.small
+        spectra, rows = list[ReducedSpectrum](), []
         for values in (self._values(int(number)) for number in numbers):
             found = small.at(values)
             window, own = small.window, found.window
@@ -297,31 +273,24 @@ class _OnBasis:
             slopes = np.stack(moved, axis=1)
             rows.append(row_of_model(found, slopes, alike, scene.window.growth_threshold))
             spectra.append(found)
-        return self._line(numbers, small, spectra) if middle is None else None, rows
+        return self._line(numbers, spectra) if middle is None else None, rows
 
-    def _line(
-        self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
-    ) -> FoundAlong:
+    def _line(self, numbers: Ints, spectra: list[ReducedSpectrum]) -> FoundAlong:
         """Return the thresholds along a line, with the values of the other fields."""
-        scene, points = self._scene, self._scene.points
+        points, rates, level = self._scene.points, self._scene.names[0], self._window.level
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
-        line = line_of_model(
-            small,
-            lambda value: scene.pencil.values(scene.point((value, *others))),
-            scene.names[0],
-            self._window.level,
-            dict(zip(values, spectra, strict=True)),
-        )
+        known = dict(zip(values, spectra, strict=True))
+        line = line_of_model(self.basis.model, self._along(others), rates, level, known)
         found = thresholds_along(line, values, logarithmic=points.logarithmic)
         return dict(zip(points.names[1:], others, strict=True)), found
 
-    def difference(self, others: Mapping[str, float], found: Threshold) -> float | None:
+    def _along(self, others: Iterable[float]) -> Callable[[float], dict[str, float]]:
+        """Return a function of the first field at given values of the others: the parameters."""
+        return lambda value: self._scene.point((value, *others))
+
+    def _difference(self, others: Mapping[str, float], found: Threshold) -> float | None:
         """Return the change of a threshold by full solves; None where it cannot be confirmed."""
-
-        def at(value: float) -> dict[str, float]:
-            return self._scene.point((value, *others.values()))
-
-        told = confirm(self._scene.driver, at, found, self._window)
+        told = confirm(self._scene.driver, self._along(others.values()), found, self._window)
         return None if told is None else told[0] - found.value
 
     def _point(self, number: int) -> dict[str, float]:
