@@ -166,20 +166,6 @@ def test_lumped_nurbs_pass_the_patch_test_at_high_stiffness():
     assert max(side.oscillation for side in sides.values()) < 1e-11 * 1000
 
 
-def test_a_full_pass_is_the_mean_of_its_halves(backend):
-    """The second half by itself: sides exchanged, direction of friction reversed."""
-    reversed_ = {"a": "lower.z_max", "b": "upper.z_min", "max_missed": 0.99}
-    reversed_["friction_direction_on_a"] = {"vector": [-1.0, -0.5, 0.0]}
-    forward, backward, both = (
-        assemble(blocks(backend, GPTS, **fields)).pencil().at()
-        for fields in ({}, reversed_, {"full_pass": True})
-    )
-    for part in ("stiffness", "unsymmetric"):
-        first, second, found = (dense(getattr(each, part)) for each in (forward, backward, both))
-        mean = 0.5 * (first + second)
-        assert np.abs(found - mean).max() <= 1e-13 * np.abs(mean).max()
-
-
 def bar(*parts, **joint):
     """A bar of 1 x 0.6 x 0.8, whole or split at half its height into meshes that do not match."""
     held = [{"surface": "z_min"}]
