@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from blocks import scene_body, two_blocks
 from covering import covering
-from motions import dense
+from petsc_matrices import to_numpy
 from reference_data import plane_meshes
 
 from comparisons.stability.dense import dense_eigenvalues
@@ -39,7 +39,7 @@ def round_a_point(backend, P, *, sliding=True):
 
 def rank_of(system):
     """Number of independent closures of tied contacts."""
-    closure = dense(system.pencil().at().multipliers.closure)
+    closure = to_numpy(system.pencil().at().multipliers.closure)
     return np.linalg.matrix_rank(closure, tol=1e-10)
 
 

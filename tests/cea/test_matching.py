@@ -67,18 +67,12 @@ def test_modes_that_nearly_coalesce_are_matched_as_a_group():
     assert match.only_first.tolist() == match.only_second.tolist() == [3]
 
 
-@pytest.fixture(scope="module")
-def drums():
-    """Runs of a drum on both backends."""
-    results = []
+def test_drum_modes_match_across_backends():
+    drums = []
     for backend, elements in (("fe", [3, 28]), ("iga", [3, 24])):
         overrides = [f"bodies.{name}.mesh.{backend}.elements={elements}" for name in DRUM_BODIES]
         overrides.append("analysis.max_frequency=0.33")
-        results.append(run_scene(load_scene("drum", overrides, backend)))
-    return results
-
-
-def test_drum_modes_match_across_backends(drums):
+        drums.append(run_scene(load_scene("drum", overrides, backend)))
     match = match_runs(*drums)
     assert not len(match.only_first)
     assert not len(match.only_second)

@@ -11,7 +11,6 @@ from cea.errors import ConvergenceError, InputError
 from cea.system import support_forces
 from scenes import read_scene, run_scene
 
-SIDES = ("x_min", "x_max", "y_min", "y_max")
 E, NU = 2.0, 0.3
 INNER, OUTER, MOVED = 0.5, 1.0, 1e-3
 GPTS = {"method": "gpts", "points": 3}
@@ -77,28 +76,6 @@ def reactions_of(data):
     return solved(data).reactions
 
 
-def column(backend, *, nu=0.0, **body):
-    """A column pressed on its foot by its top, between walls."""
-    supports = [{"surface": name, "components": ["normal"]} for name in SIDES]
-    supports.append({"surface": "z_max", "components": ["z"], "value": -8.2e-6})
-    supports.append({"surface": "z_min", "components": ["normal"]})
-    body |= {"material": {"E": 1e9, "nu": nu, "rho": 2000.0}, "supports": supports}
-    geometry = {"shape": "box", "size": [0.01, 0.02, 0.04]}
-    return alone(scene_body(backend, geometry, [1, 1, 4], **body), None)
-
-
-@pytest.mark.parametrize("nu", [0.0, 0.3])
-def test_walls_bear_nothing_along_a_column(backend, nu):
-    """Uniaxial strain: sigma_z = (lambda + 2 mu) e on the ends, lambda e on the walls."""
-    lame = 1e9 * nu / (1 + nu) / (1 - 2 * nu), 1e9 / 2 / (1 + nu)
-    strain = -8.2e-6 / 0.04
-    along, across = (lame[0] + 2 * lame[1]) * strain, lame[0] * strain
-    x, y, z = across * 0.02 * 0.04, across * 0.01 * 0.04, along * 0.01 * 0.02
-    expected = [[-x, 0, 0], [x, 0, 0], [0, -y, 0], [0, y, 0], [0, 0, z], [0, 0, -z]]
-    forces = reactions_of(column(backend, nu=nu))["part"]
-    assert forces == pytest.approx(np.array(expected), abs=1e-12 * abs(z))
-
-
 @pytest.mark.parametrize(
     "sides", [("y", "x"), ("normal", "normal"), ("circumferential", "normal")], ids=" ".join
 )
@@ -135,19 +112,28 @@ def test_supports_bear_what_contacts_of_every_kind_do(backend, contact, mu):
 
 def test_springs_and_loads_are_borne_too(backend):
     """A column on a foundation bears on nothing else; of a load the foot bears what is left."""
-    data = column(backend, springs=[{"surface": "z_max", "stiffness": [0.0, 0.0, 1e9]}])
-    supports, area, push = data["bodies"]["part"]["supports"], 0.01 * 0.02, 300.0
-    del supports[4]
-    data["loads"] = [{"surface": "part.z_max", "force": [0.0, 0.0, -push]}]
+    area, height, push = 0.01 * 0.02, 0.04, 300.0
+    names = ("x_min", "x_max", "y_min", "y_max", "z_min")
+    supports = [{"surface": name, "components": ["normal"]} for name in names]
+    body = scene_body(
+        backend,
+        {"shape": "box", "size": [0.01, 0.02, height]},
+        [1, 1, 4],
+        material={"E": 1e9, "nu": 0.0, "rho": 2000.0},
+        supports=supports,
+        springs=[{"surface": "z_max", "stiffness": [0.0, 0.0, 1e9]}],
+    )
+    loads = [{"surface": "part.z_max", "force": [0.0, 0.0, -push]}]
+    data = alone(body, None) | {"loads": loads}
     forces = reactions_of(data)["part"]
-    spring, rod = 1e9 * area, 1e9 * area / 0.04
+    spring, rod = 1e9 * area, 1e9 * area / height
     assert forces[-1, 2] == pytest.approx(push * rod / (rod + spring), rel=1e-10)
-    del supports[4]
+    supports.pop()
     forces = reactions_of(data)["part"]
     assert np.abs(forces).max() < 1e-11 * push
-    data["loads"].append({"body": "part", "body_force": [0.0, 5e6, 0.0]})
+    loads.append({"body": "part", "body_force": [0.0, 5e6, 0.0]})
     forces = reactions_of(data)["part"].sum(axis=0)
-    assert forces == pytest.approx([0.0, -5e6 * area * 0.04, 0.0], abs=1e-9 * push)
+    assert forces == pytest.approx([0.0, -5e6 * area * height, 0.0], abs=1e-9 * push)
 
 
 @pytest.mark.grid
@@ -194,9 +180,8 @@ KINDS = ("saddle", "full pass", "mortar, full pass", "bonded", "lumped", "law")
 @pytest.mark.parametrize(
     ("ranks", "fe", "iga"),
     [
-        (2, KINDS[::2], KINDS[1::2]),
-        pytest.param(2, KINDS[1::2], KINDS[::2], marks=pytest.mark.slow),
-        pytest.param(3, KINDS, KINDS, marks=pytest.mark.slow),
+        (2, ("full pass",), ("mortar, full pass",)),
+        *(pytest.param(ranks, KINDS, KINDS, marks=pytest.mark.slow) for ranks in (2, 3)),
     ],
 )
 def test_reactions_are_the_same_on_any_ranks(ranks, fe, iga):
