@@ -143,11 +143,3 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     leissa = [10.2158, 21.26, 21.26, 34.88, 34.88, 39.771]
     np.testing.assert_allclose(numbers, leissa, rtol=1e-3)
     assert numbers[2] - numbers[1] < 1e-6 * numbers[1]
-
-
-def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
-    patch = box_patch()
-    for given in (patch, turned(patch, (0, 1, 2), 1)):
-        cells = joined(given, degree=(2, 1, 1)).space.volume_cells().straight()
-        corners = cells.points[cells.cells]
-        assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0

@@ -22,7 +22,7 @@ def body(shape, elements=(1, 16, 2), degree=(2, 3, 2), placement=TILTED):
     return shape_body(shape, None, degree, elements, placement=placement)
 
 
-def test_normals_point_outward_whatever_the_handedness():
+def test_normals_point_outward_and_cells_are_not_inverted_whatever_the_handedness():
     """A box whose first parameter runs backward."""
     patch = nurbs_shape(BOX, breaks_of(BOX, (2, 2, 2))).patches[0]
     mirrored = NurbsPatch(
@@ -35,6 +35,9 @@ def test_normals_point_outward_whatever_the_handedness():
         outward = np.eye(3)["xyz".index(name[0])] * (1 if name.endswith("max") else -1)
         np.testing.assert_allclose(points.normal, np.tile(outward, (len(points), 1)), atol=1e-14)
     assert (part.stiffness().getDiagonal().getArray() > 0).all()
+    cells = part.space.volume_cells().straight()
+    corners = cells.points[cells.cells]
+    assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0
 
 
 def test_gradient_agrees_with_finite_differences_of_the_volume():
