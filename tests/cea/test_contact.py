@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS, PLACEMENTS, ROTATED, assemble, block, coarse, two_blocks
+from blocks import FORMULATIONS, PLACEMENTS, assemble, block, coarse, two_blocks
 from covering import covering
 from motions import asymmetry, control_points, product, resultant, unknowns
 from petsc_matrices import gather, to_numpy
@@ -194,15 +194,6 @@ def test_a_bonded_joint_makes_one_body_of_two(backend, lower):
     )
     assert len(whole) >= 8
     assert joined == pytest.approx(whole, rel=4e-3)
-
-
-def test_a_bonded_joint_closes_no_gap_under_common_rigid_motion(backend):
-    data = bar(backend, backend, P=3.0, form="penalty")
-    for body in data["bodies"].values():
-        body |= {"placement": ROTATED, "supports": []}
-    system = assemble(data)
-    x = common(system, lambda X: X @ TURN.T + [1.0, -2.0, 0.5])
-    assert np.abs(gather(product(system.contacts[0].gap, x))).max() <= 1e-12
 
 
 def test_overhang_is_allowed_up_to_the_stated_fraction(backend):

@@ -12,10 +12,6 @@ from scenes.spec.reading import load_scene
 RNG = np.random.default_rng(7)
 
 
-def random_shapes(rows, modes):
-    return RNG.standard_normal((rows, modes)) + 1j * RNG.standard_normal((rows, modes))
-
-
 def matched(computed, exact, *arguments, **options):
     return match_spectrum(np.array(computed), np.array(exact), *arguments, **options)
 
@@ -54,7 +50,7 @@ def test_spectrum_errors_of_frequency_and_growth_apart():
 
 def test_modes_that_nearly_coalesce_are_matched_as_a_group():
     """The same shape far away in frequency is not the same mode."""
-    shapes = random_shapes(40, 4)
+    shapes = RNG.standard_normal((40, 4)) + 1j * RNG.standard_normal((40, 4))
     first = ModeSet(np.array([1j, 2j - 1e-4, 2j + 1e-4, 3j]), shapes)
     mixed = shapes[:, 1:3] @ np.array([[1.0, 1.0], [0.9j, -0.8]])
     others = np.column_stack([mixed[:, 0], shapes[:, 0], mixed[:, 1], shapes[:, 3]])

@@ -68,18 +68,6 @@ def test_two_contacts_have_their_own_friction(backend):
     assert (np.abs(both - expected) <= np.maximum(1e-12 * np.abs(expected), 1e-15)).all()
 
 
-def test_friction_that_varies_is_changed_by_a_factor(backend):
-    system = assemble(coarse(two_blocks(backend, GPTS, mu="0.3 + 0.1*x")))
-    assert system.pencil().parameter("contacts.interface.mu").value == 1.0
-    twice = system.pencil().at({"contacts.interface.mu": 2.0}).unsymmetric
-    assert (to_numpy(twice) == -2 * to_numpy(system.contacts[0].K_f)).all()
-
-
-@pytest.fixture(scope="module")
-def pencil():
-    return assemble(scene("iga")).pencil()
-
-
 @pytest.mark.parametrize(
     ("name", "value", "told"),
     [
@@ -91,6 +79,7 @@ def pencil():
         ("bodies.upper.material.E", float("inf"), "finite"),
     ],
 )
-def test_parameters_that_cannot_be_are_refused(name, value, told, pencil):
+def test_parameters_that_cannot_be_are_refused(name, value, told):
+    pencil = assemble(scene("iga")).pencil()
     with pytest.raises(InputError, match=told):
         pencil.at({name: value})
