@@ -40,9 +40,7 @@ def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, fie
 
 @pytest.mark.parametrize(
     ("backend", "method", "P"),
-    covering(
-        ["iga", "fe"], ["mortar", "segments"], ["1e2", "1e6", "1e14", "1e20", "inf"], strength=1
-    ),
+    covering(["iga", "fe"], ["mortar", "segments"], ["1e2", "1e20", "inf"], strength=1),
 )
 def test_the_patch_test_passes_at_any_stiffness(backend, method, P):
     overrides = [f"contacts.interface.P={P}", "contacts.interface.form='saddle'"]
