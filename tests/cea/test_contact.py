@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blocks import FORMULATIONS, PLACEMENTS, assemble, block, coarse, two_blocks
 from covering import covering
-from motions import asymmetry, control_points, product, resultant, unknowns
+from motions import asymmetry, control_points, resultant, unknowns
 from petsc_matrices import gather, to_numpy
 from scipy.linalg import block_diag
 
@@ -61,9 +61,9 @@ def test_friction_pushes_a_along_k_and_b_against_it(system):
         assert points.normal == pytest.approx(np.tile(side * normal, (len(points), 1)), abs=1e-12)
         assert contact.pressure(x) == pytest.approx(force / points.weight.sum(), rel=1e-11)
         for body, sign in (("upper", 1), ("lower", -1)):
-            friction, scale = resultant(system, product(contact.K_f, x), body)
+            friction, scale = resultant(system, contact.K_f @ x, body)
             assert friction == pytest.approx(sign * MU * force * k, abs=1e-13 * scale)
-            pressure, scale = resultant(system, product(contact.K_n, x), body)
+            pressure, scale = resultant(system, contact.K_n @ x, body)
             assert -pressure == pytest.approx(-sign * force * normal, abs=1e-13 * scale)
 
 
@@ -85,19 +85,19 @@ def assert_conserves_momentum(system, *, angular):
         assert asymmetry(contact.K_f) > 0.1 * contact.K_f.norm()
         for matrix in (contact.K_n, contact.K_f):
             forces = [
-                (control_points(body), system.displacement(product(matrix, x), name).reshape(-1, 3))
+                (control_points(body), system.displacement(matrix @ x, name).reshape(-1, 3))
                 for name, body in system.bodies.items()
             ]
             scale = np.abs(forces[0][1]).sum()
             assert np.abs(sum(f.sum(axis=0) for _, f in forces)).max() <= 1e-13 * scale
             largest = np.abs(to_numpy(matrix)).max()
-            assert np.abs(gather(product(matrix, shift))).max() <= 1e-13 * largest
+            assert np.abs(gather(matrix @ shift)).max() <= 1e-13 * largest
             if angular:
                 moment = sum(np.cross(x, f).sum(axis=0) for x, f in forces)
                 assert np.abs(moment).max() <= 1e-12 * scale
-                assert np.abs(gather(product(contact.gap, rigid))).max() <= 1e-12
+                assert np.abs(gather(contact.gap @ rigid)).max() <= 1e-12
             else:
-                assert np.abs(gather(product(matrix, rigid))).max() > 1e-3 * largest
+                assert np.abs(gather(matrix @ rigid)).max() > 1e-3 * largest
 
 
 @EVERY

@@ -234,9 +234,7 @@ def numbers(name):
     )
     modes = solve_modes(Pencil.of(part.stiffness(), part.mass()), 0.5)
     x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
-    full = part.expansion.createVecLeft()
-    part.expansion.mult(x, full)
-    u = gather(full)
+    u = gather(part.expansion @ x)
     moved = u.reshape(-1, dim)
     shown = {"frequencies": sorted(modes.frequencies.tolist()), "work": part.load().dot(x)}
     for surface in part.surfaces.values():

@@ -25,12 +25,6 @@ def resultant(system, force, body):
     return nodal.sum(axis=0), np.abs(nodal).sum()
 
 
-def product(matrix, x):
-    y = matrix.createVecLeft()
-    matrix.mult(x, y)
-    return y
-
-
 def asymmetry(matrix):
     """Norm of a PETSc matrix less its transpose: zero on any number of ranks."""
     difference = matrix.transpose(PETSc.Mat())
