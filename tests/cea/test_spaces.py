@@ -143,18 +143,29 @@ def test_straight_cells_fill_the_body_and_know_its_positions(name):
     assert whole == pytest.approx(np.prod(FLAT[name][0].size), rel=1e-12)
 
 
-def test_springs_and_forces_have_their_sums(flat):
+def test_springs_and_loads_have_their_sums(flat):
     low, high = ends(flat)
     stiffness = (2.0, 3.0, 5.0)[: len(flat[0].size)]
     value = tuple(0.1 * k for k in stiffness)
-    loads = [Force(value, high), Force(value)]
-    part = made(flat, springs=[Spring(low, stiffness)], forces=loads)
+    loads = {"forces": [Force(value, high), Force(value)], "pressures": [Pressure(low, 0.3)]}
+    part = made(flat, springs=[Spring(low, stiffness)], **loads)
     translations = rigid_motions(part.space.dof_positions)[:, : part.dim]
     total = translations.T @ to_numpy(part.stiffness()) @ translations
     area, volume = np.prod(flat[0].size[:-1]), np.prod(flat[0].size)
     np.testing.assert_allclose(total, area * np.diag(stiffness), atol=1e-12)
-    resultant = translations.T @ gather(part.load())
-    np.testing.assert_allclose(resultant, np.array(value) * (1 + volume), rtol=1e-12)
+    expected = np.array(value) * (1 + volume)
+    expected[-1] += 0.3 * area
+    np.testing.assert_allclose(translations.T @ gather(part.load()), expected, rtol=1e-12)
+
+
+def test_supports_hold_the_components_they_name(flat):
+    low, _ = ends(flat)
+    part = made(flat, supports=[Support(low, (low[0],))])
+    surface, Z = part.surfaces[low], to_numpy(part.expansion)
+    u = Z @ np.random.default_rng(2).normal(size=Z.shape[1])
+    traced = surface.trace(surface.gauss_points(2).at) @ u.reshape(-1, part.dim)
+    assert np.abs(traced[:, -1]).max() < 1e-14
+    assert np.abs(traced[:, 0]).max() > 0.01
 
 
 def test_surfaces_measure_trace_and_differentiate(flat):

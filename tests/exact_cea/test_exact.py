@@ -117,7 +117,7 @@ def test_constant_friction_with_corner_singularities_to_9_digits_on_a_coarse_gri
 
 @pytest.mark.parametrize(
     ("i", "degree", "layers", "tolerance"),
-    [(0, 17, 0, 3e-9), *(slow(i, 13, 1, 1e-10) for i in range(18))],
+    [(0, 10, 1, 2e-9), *(slow(i, 13, 1, 1e-10) for i in range(18))],
 )
 def test_the_stored_rings_on_other_grids(i, degree, layers, tolerance):
     """The 17 values that hold their digits; the rigid rotation is stored as its round-off."""
@@ -242,13 +242,6 @@ def test_where_flutter_begins_in_closed_form_and_for_circles():
     for mu, grows in ((0.46874, False), (0.46876, True)):
         matrix = np.array([[2.5, 0.5 - mu * 4 / 3], [0.5, 2]])
         assert (abs(np.linalg.eigvals(matrix).imag).max() > 0) == grows
-
-
-@pytest.mark.slow
-def test_where_flutter_of_the_blocks_begins_to_all_digits():
-    table = stored("blocks_sine_mu_thresholds")
-    first = min(float(entry["mu_c"]) for entry in table if entry["p"] == "1")
-    assert abs(mu_critical("blocks", p=1, max_frequency=3.0) / first - 1) < 1e-15
 
 
 @pytest.mark.slow
