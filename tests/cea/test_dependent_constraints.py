@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from blocks import scene_body, two_blocks
+from blocks import rectangle, two_blocks
 from covering import covering
-from motions import dense
+from petsc_matrices import to_numpy
 from reference_data import plane_meshes
 
 from comparisons.stability.dense import dense_eigenvalues
@@ -17,15 +17,14 @@ INF = float("inf")
 
 def round_a_point(backend, P, *, sliding=True):
     """Four blocks about a point, one joint sliding with friction or bonded as the others."""
-    bodies = {}
-    for name, origin in (("b0", [0, 0]), ("b1", [1, 0]), ("b2", [1, 1]), ("b3", [0, 1])):
-        bodies[name] = scene_body(
-            backend,
-            {"shape": "rectangle", "size": [1.0, 1.0], "origin": origin},
-            [2, 3],
-            supports=[{"surface": "y_min"}] if origin[1] == 0 else [],
-            material={"E": 1.0, "nu": 0.3, "rho": 1.0},
-        )
+    corners = {"b0": (0.0, 0.0), "b1": (1.0, 0.0), "b2": (1.0, 1.0), "b3": (0.0, 1.0)}
+    soft = {"material": {"E": 1.0, "nu": 0.3, "rho": 1.0}}
+    bodies = {
+        name: rectangle(backend, (1.0, 1.0), [2, 3], origin=origin, **soft)
+        for name, origin in corners.items()
+    }
+    for name in ("b0", "b1"):
+        bodies[name]["supports"] = [{"surface": "y_min"}]
     joints = {"c0": ("b0.x_max", "b1.x_min"), "c1": ("b1.y_max", "b2.y_min")}
     joints |= {"c2": ("b2.x_min", "b3.x_max"), "c3": ("b3.y_min", "b0.y_max")}
     bonded = {"formulation": {"method": "bonded"}, "form": "saddle", "P": P}
@@ -39,7 +38,7 @@ def round_a_point(backend, P, *, sliding=True):
 
 def rank_of(system):
     """Number of independent closures of tied contacts."""
-    closure = dense(system.pencil().at().multipliers.closure)
+    closure = to_numpy(system.pencil().at().multipliers.closure)
     return np.linalg.matrix_rank(closure, tol=1e-10)
 
 

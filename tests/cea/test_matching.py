@@ -12,10 +12,6 @@ from scenes.spec.reading import load_scene
 RNG = np.random.default_rng(7)
 
 
-def random_shapes(rows, modes):
-    return RNG.standard_normal((rows, modes)) + 1j * RNG.standard_normal((rows, modes))
-
-
 def matched(computed, exact, *arguments, **options):
     return match_spectrum(np.array(computed), np.array(exact), *arguments, **options)
 
@@ -54,7 +50,7 @@ def test_spectrum_errors_of_frequency_and_growth_apart():
 
 def test_modes_that_nearly_coalesce_are_matched_as_a_group():
     """The same shape far away in frequency is not the same mode."""
-    shapes = random_shapes(40, 4)
+    shapes = RNG.standard_normal((40, 4)) + 1j * RNG.standard_normal((40, 4))
     first = ModeSet(np.array([1j, 2j - 1e-4, 2j + 1e-4, 3j]), shapes)
     mixed = shapes[:, 1:3] @ np.array([[1.0, 1.0], [0.9j, -0.8]])
     others = np.column_stack([mixed[:, 0], shapes[:, 0], mixed[:, 1], shapes[:, 3]])
@@ -67,18 +63,12 @@ def test_modes_that_nearly_coalesce_are_matched_as_a_group():
     assert match.only_first.tolist() == match.only_second.tolist() == [3]
 
 
-@pytest.fixture(scope="module")
-def drums():
-    """Runs of a drum on both backends."""
-    results = []
+def test_drum_modes_match_across_backends():
+    drums = []
     for backend, elements in (("fe", [3, 28]), ("iga", [3, 24])):
         overrides = [f"bodies.{name}.mesh.{backend}.elements={elements}" for name in DRUM_BODIES]
         overrides.append("analysis.max_frequency=0.33")
-        results.append(run_scene(load_scene("drum", overrides, backend)))
-    return results
-
-
-def test_drum_modes_match_across_backends(drums):
+        drums.append(run_scene(load_scene("drum", overrides, backend)))
     match = match_runs(*drums)
     assert not len(match.only_first)
     assert not len(match.only_second)

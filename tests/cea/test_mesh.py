@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
-from cea.mesh import DIMENSION, Mesh, facet_nodes, node_order, reference_nodes
+from cea.mesh import DIMENSION, Mesh, facet_nodes, reference_nodes
 
 SQUARE = [[0, 0], [0, 1], [1, 0], [1, 1], [2, 0], [2, 1]]
 """Two unit squares side by side."""
@@ -50,18 +50,3 @@ def test_facets_may_list_their_nodes_in_any_order(cell, order):
     for facet in facet_nodes(cell, order):
         mesh = Mesh(cell, order, nodes, whole, {"side": rng.permutation(facet)[None]})
         assert np.array_equal(mesh.surfaces["side"], facet[None])
-
-
-@pytest.mark.parametrize(
-    ("cell", "around", "documented"),
-    [
-        ("quadrilateral", [[0, 0], [1, 0], [1, 1], [0, 1]], [0, 3, 1, 2]),
-        (
-            "hexahedron",
-            [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))],
-            [0, 4, 3, 7, 1, 5, 2, 6],
-        ),
-    ],
-)
-def test_corners_that_go_around_are_put_in_order_as_documented(cell, around, documented):
-    assert node_order(cell, 1, around).tolist() == documented

@@ -4,17 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bodies import FLAT, PLASTIC, ROUND, SPACE, body_of, lagrange_body, nurbs_body
-from iga_data import TURNED, basis_on_grid, body, turned
+from bodies import FLAT, PLASTIC, ROUND, SPACE, body_of, lagrange_body
+from iga_data import TURNED, basis_on_grid, body, two_sectors
 from petsc_matrices import to_scipy
 
 from cea.errors import InputError
 from cea.nested.prolongation import of_body as prolongation
 from cea.supports.boundary import Support
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import nurbs_shape
 from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Disc, Hub, Rectangle, Ring, Sector
+from meshes.shapes import Disc, Hub, Rectangle, Ring
 
 RNG = np.random.default_rng(11)
 HUB = Hub(0.3, 0.8, 1.7, -0.1, 0.1, -0.1, 0.3)
@@ -56,16 +54,11 @@ def refined(shape, coarse, fine):
 
 def odd():
     """Two patches whose parameters lie otherwise, held on top; and the same refined."""
-    shapes = [Sector(0.8, 1.7, a, b, -0.1, 0.2) for a, b in ((10.0, 60.0), (60.0, 95.0))]
-    options = {"material": PLASTIC, "supports": [Support("top")]}
-    faces = {"top": [(0, 2, 1), (1, 1, 1)]}
-    pair = []
-    for n, degree, continuity in ((2, 2, None), (4, 3, (1, 1, 1))):
-        one, other = (nurbs_shape(s, breaks_of(s, (n,) * 3)).patches[0] for s in shapes)
-        patches = [one, turned(other, (1, 2, 0), 0)]
-        made = nurbs_body("odd", patches, faces, (degree,) * 3, continuity=continuity, **options)
-        pair.append(made)
-    return pair
+    options = {"supports": [Support("top")], "faces": {"top": [(0, 2, 1), (1, 1, 1)]}}
+    return [
+        two_sectors((n,) * 3, (q,) * 3, (1, 2, 0), 0, continuity=continuity, **options)
+        for n, q, continuity in ((2, 2, None), (4, 3, (1, 1, 1)))
+    ]
 
 
 HELD = [Support("z_min", ("x", "z")), Support("x_max")]

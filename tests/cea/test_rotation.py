@@ -105,6 +105,7 @@ def in_both_frames(backend, kind, coriolis, rate, fine=2):
 
 
 @pytest.mark.convergence
+@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_waves_of_a_free_ring_pass_by_with_their_number_times_the_rate(backend):
     """With the fourth power of the mesh size."""
     coarse, fine = (in_both_frames(backend, "none", False, 0.05, n)[2].max() for n in (1, 2))

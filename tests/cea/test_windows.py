@@ -93,6 +93,7 @@ def test_a_real_mode_that_a_wrong_bound_leaves_out_is_seen_by_signs(kappa, found
         ["penalty", "saddle", "mortar", "both"],
         [1e-6, 0.9, 3.0],
         [2.0, 1e3, 1e6],
+        strength=1,
     ),
 )
 def test_bounds_are_those_of_the_field_of_values(backend, of_contact, mu, P):

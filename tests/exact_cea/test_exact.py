@@ -52,12 +52,6 @@ def distance_to(values, reference):
     return (abs(values[:, None] - reference) / abs(reference)).min(axis=1)
 
 
-def same_set(values, reference, tolerance):
-    """Both lists hold the same values, whatever their order and their multiplicities."""
-    assert distance_to(values, reference).max() < tolerance
-    assert distance_to(reference, values).max() < tolerance
-
-
 def assert_same(values, reference, tolerance):
     """The same numbers, as sets with multiplicities, relative to each."""
     left = list(reference)
@@ -117,13 +111,13 @@ def test_lumped_systems(i):
 def test_constant_friction_with_corner_singularities_to_9_digits_on_a_coarse_grid():
     entry = stored("blocks_constant_mu")[2]
     problem = Blocks.of(entry["p"], entry["mu"])
-    values = lowest(galerkin_problems.blocks(problem, 12, 3, constant=True), 18, problem.scale())
-    same_set(values, values_of(entry), 2e-9)
+    values = lowest(galerkin_problems.blocks(problem, 10, 3, constant=True), 18, problem.scale())
+    assert_same(values, values_of(entry), 2e-9)
 
 
 @pytest.mark.parametrize(
     ("i", "degree", "layers", "tolerance"),
-    [(0, 18, 0, 3e-9), *(slow(i, 13, 1, 1e-10) for i in range(18))],
+    [(0, 10, 1, 2e-9), *(slow(i, 13, 1, 1e-10) for i in range(18))],
 )
 def test_the_stored_rings_on_other_grids(i, degree, layers, tolerance):
     """The 17 values that hold their digits; the rigid rotation is stored as its round-off."""
@@ -134,46 +128,35 @@ def test_the_stored_rings_on_other_grids(i, degree, layers, tolerance):
     assert (abs(values - expected) / np.maximum(abs(expected), problem.scale())).max() < tolerance
 
 
-def random_materials(rng):
-    return [
-        Material.of(f"{rng.uniform(*E):.3f}", f"{rng.uniform(0.05, 0.42):.3f}", f"{rho:.3f}")
-        for E, rho in (((0.05, 0.5), rng.uniform(0.2, 1)), ((0.5, 2), rng.uniform(0.5, 2)))
-    ]
-
-
 def random_problems(seed):
-    """A random drum, and a random pair of blocks."""
+    """A random drum and a random pair of blocks: each, its matrices by Galerkin, a tolerance."""
     rng = np.random.default_rng(seed)
     p = rng.choice(["0.2", "3", "150", "inf"])
     kz = rng.choice([None, "pi/2", "2.1"])
     mu = f"{rng.uniform(0, 1.2):.3f}"
-    a, b = random_materials(rng)
+    materials = [
+        Material.of(f"{rng.uniform(*E):.3f}", f"{rng.uniform(0.05, 0.42):.3f}", f"{rho:.3f}")
+        for E, rho in (((0.05, 0.5), rng.uniform(0.2, 1)), ((0.5, 2), rng.uniform(0.5, 2)))
+    ]
     radii = [f"{r:.2f}" for r in np.cumsum(rng.uniform(0.3, 0.7, 3))]
-    drum = Drum.of(int(rng.integers(0, 7)), p, mu, kz, a, b, *radii)
+    drum = Drum.of(int(rng.integers(0, 7)), p, mu, kz, *materials, *radii)
     sizes = [f"{s:.2f}" for s in rng.uniform((0.3, 0.5, 1.2), (0.8, 1.2, 2.2))]
-    return drum, Blocks.of(p, mu, kz, a, b, *sizes)
+    blocks = Blocks.of(p, mu, kz, *materials, *sizes)
+    yield drum, galerkin_problems.drum(drum, 36), 1e-10
+    yield blocks, galerkin_problems.blocks(blocks, 22, 0, constant=False), 1e-9
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
-def test_determinant_and_galerkin_agree_for_random_drums(seed):
-    drum, _ = random_problems(seed)
-    exact = spectrum(drum, count=8).values
-    same_set(lowest(galerkin_problems.drum(drum, 36), 8, drum.scale()), exact, 1e-10)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("seed", "degree"), [(16, 18), *((seed, 22) for seed in range(20))])
-def test_determinant_and_galerkin_agree_for_random_blocks(seed, degree):
-    _, blocks = random_problems(seed)
-    found = spectrum(blocks, count=8)
-    exact = found.values + [complex(value) for value in found.contact_free]
-    contact = galerkin_problems.blocks(blocks, degree, 0, constant=False)
-    galerkin = lowest(contact, len(exact) + 2, blocks.scale())
-    # The list may end between the two of a pair: the second is then beyond it.
-    inside = galerkin[galerkin.imag < max(value.imag for value in exact) * (1 - 1e-7)]
-    assert distance_to(exact, galerkin).max() < 1e-9
-    assert distance_to(inside, exact).max() < 1e-9
+def test_determinant_and_galerkin_agree_for_random_problems(seed):
+    for problem, by_galerkin, tolerance in random_problems(seed):
+        found = spectrum(problem, count=8)
+        exact = found.values + [complex(value) for value in found.contact_free]
+        galerkin = lowest(by_galerkin, len(exact) + 2, problem.scale())
+        # The list may end between the two of a pair: the second is then beyond it.
+        inside = galerkin[galerkin.imag < max(value.imag for value in exact) * (1 - 1e-7)]
+        assert distance_to(exact, galerkin).max() < tolerance
+        assert distance_to(inside, exact).max() < tolerance
 
 
 def test_roots_of_a_known_function_are_counted_and_found_with_a_close_pair():
@@ -189,7 +172,7 @@ def test_roots_of_a_known_function_are_counted_and_found_with_a_close_pair():
     finder = RootFinder(f, turning=2.0)
     count = finder.count(box)
     assert count == 6
-    same_set(finder.roots(box, count), roots[:6], 1e-9)
+    assert_same(finder.roots(box, count), roots[:6], 1e-9)
 
 
 @pytest.mark.parametrize(
@@ -225,24 +208,24 @@ def test_command_writes_entries_of_the_stored_form(tmp_path):
 
 
 def test_the_whole_drum_has_every_order_of_both_signs_that_galerkin_finds():
-    found = whole_spectrum("drum", max_frequency=2.4, mu=0.7)
-    for m in range(6):
+    found = whole_spectrum("drum", max_frequency=2.0, mu=0.7)
+    for m in range(5):
         problem = Drum.of(m, mu="0.7")
-        galerkin = lowest_in(galerkin_problems.drum(problem), problem.scale(), 2.4)
+        galerkin = lowest_in(galerkin_problems.drum(problem), problem.scale(), 2.0)
         assert_same(found.values[found.orders == m], galerkin, 1e-9)
         assert_same(found.values[found.orders == -m], -galerkin.conj(), 1e-9)
-    assert abs(found.orders).max() == 4
+    assert abs(found.orders).max() == 3
     assert not found.families.any()
     assert (np.diff(found.values.imag) >= 0).all()
 
 
 def test_blocks_with_depth_are_the_union_of_families_with_the_modes_that_contact_leaves_alone():
-    found = whole_spectrum("blocks", max_frequency=1.8, depth=2, mu=0.7)
+    found = whole_spectrum("blocks", max_frequency=1.6, depth=2, mu=0.7)
     kzs = [None, "pi/2", "pi"]
     for j, kz in enumerate(kzs):
         blocks = Blocks.of("1", "0.7", kz)
         galerkin = lowest_in(
-            galerkin_problems.blocks(blocks, 14, 0, constant=False), blocks.scale(), 1.8
+            galerkin_problems.blocks(blocks, 14, 0, constant=False), blocks.scale(), 1.6
         )
         assert_same(found.values[found.families == j], galerkin, 1e-8)
     assert set(found.families) == {0, 1, 2}
@@ -259,13 +242,6 @@ def test_where_flutter_begins_in_closed_form_and_for_circles():
     for mu, grows in ((0.46874, False), (0.46876, True)):
         matrix = np.array([[2.5, 0.5 - mu * 4 / 3], [0.5, 2]])
         assert (abs(np.linalg.eigvals(matrix).imag).max() > 0) == grows
-
-
-@pytest.mark.slow
-def test_where_flutter_of_the_blocks_begins_to_all_digits():
-    table = stored("blocks_sine_mu_thresholds")
-    first = min(float(entry["mu_c"]) for entry in table if entry["p"] == "1")
-    assert abs(mu_critical("blocks", p=1, max_frequency=3.0) / first - 1) < 1e-15
 
 
 @pytest.mark.slow

@@ -171,17 +171,12 @@ def test_no_mesh_and_inverted_cells_are_refused():
             body_of(mesh, comm=MPI.COMM_SELF)
 
 
-@pytest.fixture(scope="module")
-def layered():
-    """Curved cells of a disc with three layers towards its edges, of very different sizes."""
+def test_points_inside_and_on_common_facets_are_found():
+    """Of curved cells of a disc with three layers towards its edges, of very different sizes."""
     scene = load_scene("disc_pad", backend="fe")
     disc = build_bodies(refined(scene, "fe", Resolution(2, 0.3, 3)), StageTimer())["disc"]
-    cells = Cells.of(disc.space.scalar)
-    assert cells.sizes.max() > 5 * cells.sizes.min()
-    return cells
-
-
-def test_points_inside_and_on_common_facets_are_found(layered):
+    layered = Cells.of(disc.space.scalar)
+    assert layered.sizes.max() > 5 * layered.sizes.min()
     rng = np.random.default_rng(5)
     own, xi = rng.integers(0, len(layered.nodes), 300), rng.uniform(0.02, 0.98, (300, 3))
     xi[150:, 0] = rng.integers(0, 2, 150)  # on a facet

@@ -10,11 +10,11 @@ from scipy.sparse.linalg import spsolve
 
 from cea.location import Chart
 from cea.mesh import DIMENSION
-from cea.surface_points import Status, SurfaceCoordinates
+from cea.surface_points import SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Box, Ring
+from meshes.shapes import Ring
 from meshes.true_surfaces import true_surfaces
 
 SLOPE, SHIFT = np.array([0.7, -0.4, 0.5]), 0.3
@@ -106,68 +106,18 @@ def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell, mesh):
         np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)
 
 
-def surface_of(mesh, name, **options):
-    body = lagrange_body("part", mesh, degree=mesh.order, material=MATERIAL, **options)
-    return body.surfaces[name]
-
-
-def estimate(mesh, name):
-    """Estimated errors in the middle of the facets (m), one for each."""
-    surface = surface_of(mesh, name)
-    return surface.geometry_error(surface.gauss_points(1).at)
-
-
-def meshed(shape, cell, order, elements):
-    return shape_mesh(shape, cell, order, breaks=breaks_of(shape, elements))
-
-
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
-def test_of_facets_it_bounds_their_distance(order):
+def test_estimated_errors_of_facets_bound_their_distance(order):
+    """From the true surface, where that is not known; one estimate in the middle of each."""
     ring = Ring(0.05, 0.08)
-    mesh = meshed(ring, "quadrilateral", order, (1, 12))
-    known = surface_of(mesh, "outer", true_surfaces=true_surfaces(ring))
+    mesh = shape_mesh(ring, "quadrilateral", order, breaks=breaks_of(ring, (1, 12)))
+    unknown, known = (
+        lagrange_body("part", mesh, degree=order, material=MATERIAL, **options).surfaces["outer"]
+        for options in ({}, {"true_surfaces": true_surfaces(ring)})
+    )
     points = known.gauss_points(8)
     distance = np.abs(known.offset(points.at, points.normal)).max()
-    found = estimate(mesh, "outer")
+    found = unknown.geometry_error(unknown.gauss_points(1).at)
     assert (distance < found).all()
     assert (found < {1: 1.1, 2: 5, 3: 8, 4: 15}[order] * distance).all()
     assert (known.geometry_error(points.at) == 0).all()
-
-
-SHAPE = np.array([9, 7])
-"""Elements of the surface z = 0, which are squares."""
-STEP = 0.3
-UP = np.array([0.0, 0.0, 1.0])
-
-
-def plane():
-    """The surface, and the numbers of its elements by their place."""
-    plate = Box((*(STEP * SHAPE), 0.2), (0.0, 0.0, -0.2))
-    surface = shape_body(plate, "hexahedron", 2, (*SHAPE.tolist(), 1)).surfaces["z_max"]
-    middles = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in SHAPE), indexing="ij"), axis=-1)
-    element = located(surface, middles.reshape(-1, 2), np.zeros(SHAPE.prod())).at.element
-    return surface, element.reshape(SHAPE)
-
-
-def located(surface, place, distance):
-    """Points at distances above places on the surface."""
-    x = np.column_stack([STEP * place, -distance])
-    return surface.locate(x, np.tile(UP, (len(x), 1)), reach=0.06)
-
-
-def test_shared_edges_and_corners_go_to_the_lowest_element():
-    """Whatever the order of points, and with rounding either way."""
-    surface, numbers = plane()
-    rng = np.random.default_rng(6)
-    lines = rng.integers(1, SHAPE, (3000, 2))
-    on_line = np.repeat([[True, False], [False, True], [True, True]], 1000, axis=0)
-    place = np.where(on_line, lines, lines + rng.uniform(0.1, 0.9, (3000, 2)))
-    distance = rng.uniform(-0.05, 0.05, len(place))
-    found = located(surface, place, distance)
-    assert (found.status == Status.EDGE).all()
-    sharing = [numbers[*(lines - on_line * [i, j]).T] for i in (0, 1) for j in (0, 1)]
-    np.testing.assert_array_equal(found.at.element, np.min(sharing, axis=0))
-    np.testing.assert_allclose(found.distance, distance, atol=1e-9)
-    order = rng.permutation(3000)
-    again = located(surface, place[order], distance[order])
-    np.testing.assert_array_equal(again.at.element, found.at.element[order])

@@ -4,15 +4,17 @@ from functools import reduce
 from itertools import pairwise, product
 
 import numpy as np
-from bodies import shape_body
+from bodies import nurbs_body, shape_body
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array, diags_array, kron
 
 from cea.body import Body
 from cea.material import IsotropicMaterial
 from iga_cea.splines import basis_matrix
-from meshes.nurbs_shapes import NurbsPatch
+from meshes.breaks import breaks_of
+from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
+from meshes.shapes import Sector
 
 STEEL = IsotropicMaterial(E=2.1, nu=0.3, rho=7.8)
 TILTED = Placement(axis=(1.0, 2.0, -0.5), angle=33.0, translation=(0.1, -0.2, 0.3))
@@ -42,6 +44,14 @@ def turned(patch: NurbsPatch, axes: tuple[int, ...], flip: int) -> NurbsPatch:
         np.flip(patch.weights.transpose(axes), flip),
         tuple(breaks),
     )
+
+
+def two_sectors(elements, degree, axes, flip, **options) -> Body:
+    """Body of two sectors, the parameters of the second in another order, one of them reversed."""
+    shapes = (Sector(0.8, 1.7, a, b, -0.1, 0.2) for a, b in ((10.0, 60.0), (60.0, 95.0)))
+    one, other = (nurbs_shape(s, breaks_of(s, elements), TILTED).patches[0] for s in shapes)
+    options.setdefault("material", STEEL)
+    return nurbs_body("part", [one, turned(other, axes, flip)], degree=degree, **options)
 
 
 def slow_matrices(part: Body) -> tuple[np.ndarray, np.ndarray]:

@@ -25,30 +25,11 @@ def resultant(system, force, body):
     return nodal.sum(axis=0), np.abs(nodal).sum()
 
 
-def product(matrix, x):
-    y = matrix.createVecLeft()
-    matrix.mult(x, y)
-    return y
-
-
-def rotation_of(system):
-    """Rotation of the blocks, from the outward normal and an edge of the sample."""
-    points = system.bodies["lower"].surfaces["x_max"].gauss_points(1)
-    e1 = points.normal[0]
-    e3 = system.bodies["lower"].surfaces["z_max"].gauss_points(1).normal[0]
-    return np.stack([e1, np.cross(e3, e1), e3], axis=1)
-
-
 def asymmetry(matrix):
     """Norm of a PETSc matrix less its transpose: zero on any number of ranks."""
     difference = matrix.transpose(PETSc.Mat())
     difference.axpy(-1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     return difference.norm()
-
-
-def dense(matrix):
-    """Entries of a PETSc matrix."""
-    return matrix.copy().convert("dense").getDenseArray().copy()
 
 
 def mode_displacement(result, body, mode):

@@ -112,9 +112,9 @@ def test_a_collapsed_edge_is_one_dof(edge: tuple) -> None:
 
 def test_location_about_the_axis() -> None:
     rng = np.random.default_rng(3)
-    radius = np.repeat([0.0, 1e-9, 0.1], 1000)
-    r, angle = radius * rng.random(3000), rng.uniform(0, 2 * np.pi, 3000)
-    x = np.stack([r * np.cos(angle), r * np.sin(angle), np.full(3000, 0.25)], axis=1)
+    radius = np.repeat([0.0, 1e-9, 0.1], 300)
+    r, angle = radius * rng.random(900), rng.uniform(0, 2 * np.pi, 900)
+    x = np.stack([r * np.cos(angle), r * np.sin(angle), np.full(900, 0.25)], axis=1)
     top = body(DISC, (2, 4, 1), (2, 3, 2)).surfaces["top"]
     up = np.broadcast_to(TILTED.rotation[:, 2], x.shape)
     found = top.locate(TILTED.apply(x), up, 0.1)
@@ -143,11 +143,3 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     leissa = [10.2158, 21.26, 21.26, 34.88, 34.88, 39.771]
     np.testing.assert_allclose(numbers, leissa, rtol=1e-3)
     assert numbers[2] - numbers[1] < 1e-6 * numbers[1]
-
-
-def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
-    patch = box_patch()
-    for given in (patch, turned(patch, (0, 1, 2), 1)):
-        cells = joined(given, degree=(2, 1, 1)).space.volume_cells().straight()
-        corners = cells.points[cells.cells]
-        assert np.linalg.det(corners[:, [4, 2, 1]] - corners[:, :1]).min() > 0
