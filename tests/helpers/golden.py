@@ -24,9 +24,9 @@ PARTS = ("contacts", "stresses", "steady_sliding")
 
 
 @cache
-def stored(name):
-    """Content of a frozen file, plain data."""
-    return json.loads(gzip.decompress((GOLDEN / f"{name}.json.gz").read_bytes()))
+def stored():
+    """Frozen scenes by name, plain data."""
+    return json.loads(gzip.decompress((GOLDEN / "scenes.json.gz").read_bytes()))
 
 
 def run_frozen(call, case, folder):
@@ -116,7 +116,7 @@ def main():
     parser.add_argument("--only", default="", help="pattern that names of cases contain")
     parser.add_argument("--renew", action="store_true", help="store the numbers found")
     options = parser.parse_args()
-    cases = stored("scenes")
+    cases = stored()
 
     def call(*arguments):
         subprocess.run([options.command, *arguments], stdout=subprocess.DEVNULL, check=True)
