@@ -1,7 +1,5 @@
 """Samples of fields that are spread: probabilities of growth, and every sample's certificate."""
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 from reference_data import COALESCENCES
@@ -9,9 +7,8 @@ from sweep_cases import MU, assert_within_bounds, sine_blocks
 
 from cea.reduced.full_solves import first_threshold
 from comparisons.sweep.points import read_fields
-from comparisons.sweep.probabilities import growing, probabilities
+from comparisons.sweep.probabilities import growing
 from comparisons.sweep.scene import mapped
-from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.study import Asked, run
 
 STIFFNESS, MU_C, OMEGA = COALESCENCES[0]
@@ -87,26 +84,3 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
         unstable = (modes.eigenvalues.real > scene.window.growth_threshold)[inside]
         assert grows[i].any() == unstable.any()
     scene.driver.free()
-
-
-def test_single_modes_have_rows_where_nearly_all_are_followed():
-    rng, n = np.random.default_rng(3), 100
-    grows = rng.random(n) < 0.3
-
-    def spectra(unknown):
-        number = np.stack([np.where(np.arange(n) < unknown, -1, 0), np.ones(n, int)], axis=1)
-        told = {each.name: np.zeros((n, 2)) for each in fields(Spectra)} | {
-            "growth": np.stack([np.where(grows, 5.0, -5.0), np.full(n, -1.0)], axis=1),
-            "frequency": np.tile([100.0, 130.0], (n, 1)),
-            "uncertainty": np.full((n, 2), 0.1),
-            "verdict": np.stack([grows, np.zeros(n)], axis=1).astype(np.int8),
-            "number": number,
-        }
-        return Spectra(**told)
-
-    told = probabilities(spectra(5), 0.0, damped=True)
-    assert told["any"]["grows"] == grows.sum()
-    assert told["not_followed"] == grows[:5].sum()
-    (mode,) = told["modes"]
-    assert (mode["mode"], mode["grows"], mode["seen"]) == (0, grows[5:].sum(), 95)
-    assert not probabilities(spectra(50), 0.0, damped=True)["modes"]

@@ -61,18 +61,6 @@ def test_thresholds_of_given_matrices_are_found(tmp_path, name, axis, values):
     assert ("first of 2 thresholds" in headline(record)) == (len(values) == 2)
 
 
-@pytest.mark.slow
-def test_lightly_damped_blocks_have_both_thresholds(tmp_path):
-    """Full solves at 201 values have one growing mode more from 0.0547 and from 0.649 on."""
-    overrides = ["analysis.growth_threshold=0.0", "contacts.interface.mu=0.3"]
-    for name, elements in (("upper", [10, 3]), ("lower", [10, 5])):
-        mesh = f"{{cell='quadrilateral', degree=2, elements={elements}}}"
-        overrides += [f"bodies.{name}.backend='fe'", f"bodies.{name}.mesh.fe={mesh}"]
-        overrides += [f"bodies.{name}.damping={{alpha=0.001}}"]
-    record = found_in("blocks", "mu=0:1:6", tmp_path, overrides=tuple(overrides))
-    assert values_of(record) == pytest.approx([0.054685, 0.649061], abs=1e-6)
-
-
 @pytest.fixture
 def single(tmp_path):
     save_npz(tmp_path / "I.npz", csr_array(np.eye(2)))
