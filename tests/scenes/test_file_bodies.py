@@ -2,15 +2,17 @@
 
 import subprocess
 from functools import cache
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
 from covering import covering
 from decks import with_calculix
 from file_scenes import built, eigenvalues, from_file
-from mixed_brake import MATERIALS, brake, scene
+from mesh_writers import abaqus_deck
 from mpi import cea_on_ranks
 
+from meshes.files.elements import KINDS as ELEMENTS
 from scenes import SceneError, load_scene, open_result, read_scene, run_modes
 from scenes.spec.plain import scene_text
 
@@ -94,6 +96,80 @@ def test_what_is_refused_of_a_scene(scene_file, setting, field, words):
 
 # A brake whose disc has wedges at its hub: bonded beside CalculiX, sliding on several ranks.
 COUNT = 20
+RADII, HIGH, PAD = (0.03, 0.045, 0.075, 0.08), 0.015, 0.01
+"""Bore, rim of the hub and range of the pad, outer radius; thickness of disc and of pad (m)."""
+NODES = {"hexahedron": "hexahedron20", "wedge": "wedge15"}
+MATERIALS = {"DISC": (1.2e11, 0.3, 7200.0), "PAD": (2e10, 0.3, 2500.0)}
+
+
+def brake(size, *, shared=False):
+    """A deck of quadratic hexahedra of some size (m) with wedges at the hub of the disc.
+
+    Nodes lie on a lattice of twice as many steps as elements; pad and disc may share theirs.
+    """
+    rings = [int(np.ceil((b - a) / size - 1e-9)) for a, b in pairwise(RADII)]
+    around = int(np.ceil(np.pi / 3 * 0.06 / size))  # of the pad, a sixth of the disc
+    high, thick = (int(np.ceil(h / size - 1e-9)) for h in (HIGH, PAD))
+    numbers, elements = {}, {place: [] for place in product(MATERIALS, NODES)}
+
+    def number(part, node):
+        i, j, k = (node + 0.5).astype(int).tolist()
+        above = part == "PAD" and (not shared or k > 2 * high)
+        return numbers.setdefault((i, j % (12 * around), k + above), len(numbers))
+
+    def add(part, place, *, wedges=False):
+        corners = 2 * np.array(place) + 2 * ELEMENTS["hexahedron8"].reference.astype(int)
+        cell, cuts = "hexahedron", [range(8)]
+        if wedges:  # the diagonal turns from element to element
+            cell, cuts = "wedge", [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]]
+            if (place[0] + place[1]) % 2:
+                cuts = [[0, 1, 3, 4, 5, 7], [1, 2, 3, 5, 6, 7]]
+        for cut in cuts:
+            own = (corners[list(cut)][list(g)].mean(axis=0) for g in ELEMENTS[NODES[cell]].groups)
+            elements[part, cell].append([number(part, node) for node in own])
+
+    for i, j, k in product(range(sum(rings)), range(6 * around), range(high)):
+        add("DISC", (i, j, k), wedges=i < rings[0])
+    for i, j, k in product(range(rings[1]), range(around), range(thick)):
+        add("PAD", (i + rings[0], j, high + k))
+    i, j, k = np.array(list(numbers)).T
+    radii = np.interp(np.arange(2 * sum(rings) + 1), 2 * np.cumsum([0, *rings]), RADII)
+    heights = [np.linspace(0, HIGH, 2 * high + 1), HIGH + np.linspace(0, PAD, 2 * thick + 1)]
+    angle, r = j * np.pi / (6 * around), radii[i]
+    x = np.stack([r * np.cos(angle), r * np.sin(angle), np.concatenate(heights)[k]], axis=1)
+    sets = {"BORE": i == 0, "BACK": k == k.max(), "TOP": k == 2 * high, "FACE": k == 2 * high + 1}
+    if shared:
+        del sets["FACE"]
+    return abaqus_deck(
+        np.round(x, 13),  # CalculiX reads twenty characters
+        [(part, NODES[cell], np.array(own)) for (part, cell), own in elements.items() if own],
+        {name: np.flatnonzero(on) for name, on in sets.items()},
+    )
+
+
+def scene_of(file, *, friction=0.0, top=26000.0):
+    """The brake of a deck: sliding, or bonded."""
+    bodies = {
+        part.lower(): {
+            "backend": "fe",
+            "geometry": {"shape": "mesh_file", "file": str(file), "unit": "m", "part": part},
+            "material": {"E": E, "nu": nu, "rho": rho},
+            "supports": [{"surface": {"DISC": "BORE", "PAD": "BACK"}[part]}],
+            "mesh": {"degree": 2},
+        }
+        for part, (E, nu, rho) in MATERIALS.items()
+    }
+    bonded = {"formulation": {"method": "bonded"}, "P": float("inf"), "form": "saddle"}
+    sliding = {
+        "formulation": {"method": "mortar"},
+        "P": 1e9,
+        "mu": friction,
+        "form": "penalty",
+        "friction_direction_on_a": {"circumferential_about": [0.0, 0.0, 1.0]},
+    }
+    lining = {"a": "pad.FACE", "b": "disc.TOP"} | (sliding if friction else bonded)
+    data = {"name": "brake", "bodies": bodies, "contacts": {"lining": lining}}
+    return read_scene(data | {"analysis": {"kind": "cea", "max_frequency": top}})
 
 
 def job(size):
@@ -118,7 +194,7 @@ def test_a_bonded_brake_has_the_frequencies_of_calculix(tmp_path, size):
     assert len(theirs) >= COUNT
     file = tmp_path / "brake.inp"
     file.write_text(brake(size))
-    result = run_modes(read_scene(scene(file)))
+    result = run_modes(scene_of(file))
     assert "mixed elements" in result.skipped
     ours = np.sort(result.modes.frequencies)[:COUNT]
     assert np.abs(ours / theirs[:COUNT] - 1).max() < 0.01
@@ -129,7 +205,7 @@ def test_a_bonded_brake_has_the_frequencies_of_calculix(tmp_path, size):
 def test_bodies_from_a_file_are_the_same_on_several_ranks(tmp_path, ranks):
     deck, file, found = tmp_path / "brake.inp", tmp_path / "brake.toml", []
     deck.write_text(brake(0.03))
-    file.write_text(scene_text(read_scene(scene(deck, friction=0.6, top=9000.0))))
+    file.write_text(scene_text(scene_of(deck, friction=0.6, top=9000.0)))
     for count in (1, ranks):
         done = cea_on_ranks(count, "run", file, "--out", tmp_path / str(count))
         assert done.returncode == 0, done.stderr
