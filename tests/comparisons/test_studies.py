@@ -16,7 +16,7 @@ from comparisons.study.result import read
 from comparisons.study.run import run
 from comparisons.study.sections import rows
 
-# Parts of the others are run and shown by test_formulation_studies.py, test_accuracy.py,
+# Parts of the others are run by test_formulation_studies.py, test_accuracy.py,
 # test_stability.py and test_benchmarks.py.
 PLACES = {name: place for name, (place, _) in (STUDIES | BENCHMARKS).items()}
 
