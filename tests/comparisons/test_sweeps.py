@@ -200,19 +200,20 @@ def stiff_sweep(backend, axis, out, *overrides):
 DAMPED = "bodies.cap.damping={alpha=0.02,modal={ratio=0.01,max_frequency=0.4}}"
 
 
+CASES = [
+    ("contacts.tie.P=1e-1:1e13:log:4",),
+    ("contacts.low.P=1e-1:1e13:log:4",),
+    ("contacts.low.P=1e-1:1e13:log:3", DAMPED),
+    ("bodies.cap.damping.modal.ratio=0.005:0.04:3", DAMPED),
+]
+
+
 @pytest.mark.parametrize(
     ("backend", "case"),
-    covering(
-        ["fe", "iga"],
-        [
-            ("contacts.tie.P=1e-1:1e13:log:4",),
-            ("contacts.low.P=1e-1:1e13:log:4",),
-            ("contacts.low.P=1e-1:1e13:log:4", DAMPED),
-            ("contacts.low.mu=0:0.8:4", TIED),
-            ("bodies.cap.damping.modal.ratio=0.005:0.04:3", DAMPED),
-        ],
-        strength=1,
-    ),
+    [
+        *covering(["fe", "iga"], CASES, strength=1),
+        pytest.param("fe", ("contacts.low.mu=0:0.8:4", TIED), marks=pytest.mark.slow),
+    ],
 )
 def test_fresh_runs_lie_within_the_bounds_of_stiff_tied_and_damped_scenes(tmp_path, backend, case):
     assert_fresh_runs_within_bounds(backend, tmp_path, *case)
