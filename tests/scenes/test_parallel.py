@@ -177,11 +177,11 @@ def case(backend, kind):
 
 
 def cases():
-    """Each kind on each backend and number of ranks; the quick tests run each once or twice."""
+    """Each kind on each backend and number of ranks; the quick tests run each once."""
     for ranks in (2, 3):
         for i, kind in enumerate(KINDS):
             for j, backend in enumerate(("fe", "iga")):
-                quick = (i + j) % 2 == 0 and (ranks == 2 or i % 7 == 0)
+                quick = (i + j) % 2 == 0 and ranks == (3 if i % 7 == 0 else 2)
                 yield pytest.param(ranks, backend, kind, marks=() if quick else slow)
 
 
