@@ -20,7 +20,7 @@ CHANGES = (
 """The blocks about the first threshold that their exact solution knows."""
 
 
-def asked(backend, *distributions, count=200, **options):
+def asked(backend, *distributions, count=100, **options):
     spread = read_fields(distributions)
     return Asked("blocks", spread, sine_blocks(backend, *CHANGES), samples=count, **options)
 
@@ -49,12 +49,12 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(backend, tmp
     exact = (1.08 * MU_C - threshold) / (0.15 * MU_C)
     assert data["any"]["low"] <= exact <= data["any"]["high"]
     assert abs(data["any"]["probability"] - exact) < 4 * data["any"]["standard_error"]
-    assert data["certified"] == data["values"] == 200
+    assert data["certified"] == data["values"] == 100
     assert data["not_followed"] == 0
     assert len(data["modes"]) == 2
     for mode in data["modes"]:
         assert mode["grows"] == data["any"]["grows"]
-        assert mode["seen"] == 200
+        assert mode["seen"] == 100
     assert (found[grows].sum(axis=1) == 2).all()
     growth = swept.spectra.largest[grows]
     assert data["any"]["fastest"] == pytest.approx(growth.max())

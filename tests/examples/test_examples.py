@@ -59,6 +59,7 @@ def test_own_mesh(tmp_path):
     assert "in millimetres: 16 modes up to 9000 Hz: 3 unstable" in str(result)
 
 
+@pytest.mark.slow
 def test_mixed_bodies():
     assert mixed_bodies.most_unstable_frequency() == pytest.approx(6559.60358017531, rel=SAME)
 
