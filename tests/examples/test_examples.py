@@ -52,6 +52,7 @@ def test_own_scene():
     assert own_scene.lowest_frequency() == pytest.approx(0.13398734709299248, rel=SAME)
 
 
+@pytest.mark.slow
 def test_own_mesh(tmp_path):
     """The mesh is unstructured: its program may place nodes anew from version to version."""
     result = own_mesh.brake(tmp_path)

@@ -53,10 +53,10 @@ def blocks(backend, contact="gpts", mu=1.0):
     return data | {"analysis": {"kind": "cea", "max_frequency": 0.55, "growth_threshold": 1e-3}}
 
 
-def static_blocks(backend, **options):
+def static_blocks(backend):
     loads = [{"surface": "upper.x_min", "pressure": 0.02}]
     analysis = {"kind": "static", "samples": 7}
-    return blocks(backend, **options) | {"analysis": analysis, "loads": loads}
+    return blocks(backend) | {"analysis": analysis, "loads": loads}
 
 
 def overhanging(backend):
@@ -117,7 +117,7 @@ def saddle():
 
 KINDS = {
     **{name: partial(blocks, contact=name) for name in FORMULATIONS},
-    **{f"static {name}": partial(static_blocks, contact=name) for name in ("gpts", "tied mortar")},
+    "static": static_blocks,
     "without friction": partial(blocks, mu=0.0),
     "overhanging": overhanging,
     "single point": single_point,

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import pyvista
-from blocks import two_blocks
+from blocks import coarse, two_blocks
 from matplotlib.image import imread
 from motions import mode_displacement
 
@@ -22,7 +22,7 @@ GPTS = {"method": "gpts", "points": 3}
 
 @pytest.fixture(scope="module", params=["fe", "iga"])
 def result(request):
-    return run_scene(read_scene(two_blocks(request.param, GPTS, held=True)))
+    return run_scene(read_scene(coarse(two_blocks(request.param, GPTS, held=True), degree=2)))
 
 
 def with_growth(result, growth):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import alone, scene_body
+from blocks import alone, coarse, scene_body
 from damped_numbers import damped_disc, modally_damped_disc
 from pressed import pressed_blocks
 from scipy.integrate import solve_bvp
@@ -35,7 +35,7 @@ def test_the_pressure_is_that_of_steady_sliding(backend):
     """Of a translation: along k it has the power N mu', across it N mu / v, N the normal force."""
     sliding = {"speed": 0.5, "mu_slope": -0.2}
     gpts = {"method": "gpts", "points": 3}
-    data = pressed_blocks(backend, gpts, c_n=10.0, m_n=2.0, sliding=sliding)
+    data = coarse(pressed_blocks(backend, gpts, c_n=10.0, m_n=2.0, sliding=sliding))
     result = run_modes(read_scene(data))
     upper, shift = result.bodies["upper"], np.zeros((result.system.size, 3))
     translation, free = upper.expansion.createVecLeft(), upper.expansion.createVecRight()
