@@ -1,17 +1,10 @@
-"""A command of the command line, as a person calls it; matrices read without a process."""
+"""A command of the command line, as a person calls it."""
 
 import sys
 
 import pytest
-from matrix_files import read_here
 
 from comparisons.cli.app import main
-
-
-@pytest.fixture
-def files_read_here(monkeypatch):
-    """Matrices are read in this process, but by processes that a test starts."""
-    monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """`cea bench`: programs and methods that must agree do, and what is measured is what it says."""
 
-import struct
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -14,7 +13,6 @@ from cea.errors import ConvergenceError
 from cea.matrices import local_part
 from comparisons.bench import assembly, calculix, scaling, solve
 from comparisons.study.measure import measured
-from comparisons.study.page import write_study
 from comparisons.study.result import read
 from comparisons.study.run import run
 
@@ -76,7 +74,6 @@ def test_methods_agree_and_projection_is_off(tmp_path, monkeypatch):
     ours = solved.frame("stages", method=solve.OURS).query("stage == 'krylov'")
     assert ours["processor"].between(0, solved.frame()["processor"].max()).all()
     assert len(ours) == 1
-    assert write_study(solve.STUDY, solved, tmp_path).is_file()
 
 
 def test_speed_up_is_that_of_the_busiest_rank():
@@ -92,38 +89,6 @@ def test_peak_memory_sees_an_allocation():
     if cost.memory is None:
         pytest.skip("the system does not tell")
     assert 150 < cost.memory < 300
-
-
-REAL = """
- MODE NO    EIGENVALUE                       FREQUENCY
-      1   0.4000000E+01   0.2000000E+01   0.3183099E+00   0.0000000E+00
-      2   0.9000000E+01   0.3000000E+01   0.4774648E+00   0.0000000E+00
-
-     P A R T I C I P A T I O N   F A C T O R S
-
-      1   0.1000000E+01   0.2000000E+01   0.3000000E+01   0.4000000E+01
-"""
-COMPLEX = """
-      1   0.5000000E+01   0.7957747E+00  -0.2500000E+00
-      2   0.5000000E+01   0.7957747E+00   0.2500000E+00
-"""
-
-
-@pytest.mark.parametrize(
-    ("listed", "perturbed", "expected"),
-    [
-        (REAL, 0, 1j * np.sqrt([4.000000000001, 9.0])),
-        (COMPLEX, 1, [-0.25 + 5j, 0.25 + 5j]),
-        ("", 0, []),
-    ],
-)
-def test_eigenvalues_of_calculix_are_read_with_the_digits_it_gives(
-    listed, perturbed, expected, tmp_path
-):
-    stored = struct.pack("=4i2d", 0, 1, perturbed, 2, 4.000000000001, 9.0)
-    (tmp_path / "part.dat").write_text(listed)
-    (tmp_path / "part.eig").write_bytes(stored)
-    assert calculix.results(tmp_path / "part.inp") == pytest.approx(expected, rel=1e-15)
 
 
 def test_a_run_of_calculix_that_fails_is_told(tmp_path, monkeypatch):

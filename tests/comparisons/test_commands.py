@@ -51,6 +51,7 @@ def test_check_tells_every_fault(cea, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.mpi
 def test_check_on_two_ranks_is_told_once(tmp_path):
     done = cea_on_ranks(2, "scene", "check", "blocks", "--out", tmp_path)

@@ -12,7 +12,6 @@ from cea.contact.formulations import Mortar, Segments
 from cea.timing import StageTimer
 from comparisons import agreement, locking, patch_tests
 from comparisons.patch_tests import PRESSURE, PROBLEMS
-from comparisons.study.page import write_study
 from comparisons.study.run import run
 from scenes import run_scene
 from scenes.building.build import build_bodies
@@ -21,11 +20,8 @@ YARDSTICKS = ("segments", "mortar")
 
 
 def made(study, only=None, **options):
-    """Result of cases of a study with these options, of which the page can be drawn."""
-    out = Path(mkdtemp()) / "out"
-    result = run(study, study.options(**options), out, only=only)
-    write_study(study, result, out)
-    return result
+    """Result of cases of a study with these options."""
+    return run(study, study.options(**options), Path(mkdtemp()) / "out", only=only)
 
 
 @cache

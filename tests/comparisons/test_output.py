@@ -62,12 +62,3 @@ def test_modes_keep_their_digits_on_any_terminal(width, result):
     assert ("12345.6" in words) == ("condition" not in left_out)
     assert ("1.5e-10" in words) == ("residual" not in left_out)
     assert bool(left_out) == (width < 120)
-
-
-@pytest.mark.parametrize("explain", [False, True])
-def test_what_was_left_out_is_named_or_explained(result, explain):
-    console = terminal(100)
-    print_result(result, console, explain=explain)
-    (line,) = (line for line in lines_of(console) if "left out" in line)
-    assert "newton" in line
-    assert ("known stiffness" in line) == explain

@@ -9,7 +9,7 @@ import pytest
 
 from cea.errors import InputError
 from comparisons.stability import study
-from comparisons.stability.dense import dense_eigenvalues, dense_kappas, lambdas
+from comparisons.stability.dense import dense_eigenvalues
 from comparisons.stability.scenes import layers, sprag
 from comparisons.stability.verdicts import judged, window_end
 from comparisons.stability.ways import ALONE, OPEN, WAYS, chosen
@@ -49,21 +49,6 @@ def test_a_window_ends_in_a_gap_and_never_cuts_copies():
     true = np.array([1j, 1j, 1j, 1.01j, 5j, 5j])
     assert 1.01 < 2 * np.pi * window_end(true, 3) < 5
     assert all(2 * np.pi * window_end(true, lowest) > 5 for lowest in (6, 100))
-
-
-def test_dense_kappas_are_those_of_given_matrices_from_the_lowest_to_the_farthest():
-    """The far ones too: stiff contact may diverge where its points are lumped."""
-    K = np.array([[2.0, -1.5], [1.5, 2.0]])
-    assert np.allclose(np.sort_complex(dense_kappas(K, np.eye(2), [])), [2 - 1.5j, 2 + 1.5j])
-    constraint = (np.array([[1.0, -1.0]]), np.array([[1.0, -1.0]]), np.zeros((1, 1)))
-    assert np.allclose(dense_kappas(np.diag([1.0, 3.0]), np.eye(2), [constraint]), [2.0])
-    values = lambdas(np.array([4.0, -9.0, 1 + 1j]))  # growing where kappa is negative
-    assert (values.imag >= 0).all()
-    assert np.allclose(values[0], 3)
-    true = np.sort([1.9, 3.3, 7.6e3, -2.3e3, -4.2e9, -1.1e15, -4.7e15, *range(4, 34)])
-    upper = np.diag(true) + np.diag(np.full(len(true) - 1, 1e-3), 1)  # unsymmetric, nothing rounded
-    kappa = np.sort(dense_kappas(upper, np.eye(len(true)), []).real)
-    assert kappa == pytest.approx(true, rel=1e-7)
 
 
 @pytest.mark.parametrize("way", WAYS[::2], ids=lambda way: f"{way.backend} {way.name}")

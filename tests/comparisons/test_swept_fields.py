@@ -152,6 +152,7 @@ def test_thresholds_in_full_lie_between_values(monkeypatch):
     assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]
 
 
+@pytest.mark.slow
 def test_a_field_without_a_map_is_solved_in_full(cea):
     axis = "bodies.upper.material.nu=0.2:0.3:2"
     coarse = [word for each in MESHES for word in ("--set", each)]

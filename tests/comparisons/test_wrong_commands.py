@@ -8,7 +8,7 @@ import sys
 
 import pytest
 from bad_inputs import TABLE
-from blocks import two_blocks
+from blocks import coarse, two_blocks
 
 from cea.errors import InputError, printable
 from cea.files import check_writable, regular
@@ -83,7 +83,7 @@ def test_an_option_of_another_kind_of_sweep_is_refused_even_if_zero(line, field,
 
 
 def test_results_of_another_scene_or_command_stay(cea, tmp_path):
-    data = two_blocks("iga", {"method": "gpts", "points": 3}, held=True) | {"name": "same"}
+    data = coarse(two_blocks("iga", {"method": "gpts", "points": 3}, held=True)) | {"name": "same"}
     one, other, out = "one.toml", "other.toml", tmp_path / "results" / "same"
     for file in (one, other):
         (tmp_path / file).write_text(scene_text(read_scene(data)))

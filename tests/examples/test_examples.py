@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matrix_files import read_here
 
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
@@ -53,6 +52,7 @@ def test_own_scene():
     assert own_scene.lowest_frequency() == pytest.approx(0.13398734709299248, rel=SAME)
 
 
+@pytest.mark.slow
 def test_own_mesh(tmp_path):
     """The mesh is unstructured: its program may place nodes anew from version to version."""
     result = own_mesh.brake(tmp_path)
@@ -60,6 +60,7 @@ def test_own_mesh(tmp_path):
     assert "in millimetres: 16 modes up to 9000 Hz: 3 unstable" in str(result)
 
 
+@pytest.mark.slow
 def test_mixed_bodies():
     assert mixed_bodies.most_unstable_frequency() == pytest.approx(6559.60358017531, rel=SAME)
 
@@ -79,7 +80,7 @@ def test_exact_errors(backend, error):
     assert exact_errors.worst_error(backend) == pytest.approx(error, abs=1e-10)
 
 
-@pytest.mark.grid(quick=1)
+@pytest.mark.slow
 def test_flutter_threshold(backend):
     assert flutter_threshold.threshold(backend) == pytest.approx(
         flutter_threshold.exact_threshold(), abs=2e-5
@@ -117,9 +118,9 @@ def test_brake_sweep(tmp_path):
     assert (tmp_path / "sweep.png").stat().st_size > 5000
 
 
-def test_matrices_from_files(monkeypatch):
+@pytest.mark.usefixtures("files_read_here")
+def test_matrices_from_files():
     """2 lambda = -0.1 + sqrt(0.01 - 16 + 0.4 v i); at v = 2 the root is 0.1 + 4 i."""
-    monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
     speeds = np.array([1.0, 2.0, 4.0])
     true = 0.5 * (np.sqrt(-15.99 + 0.4j * speeds).real - 0.1)
     found = matrices_from_files.growth_rates(tuple(speeds.tolist()))

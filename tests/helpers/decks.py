@@ -1,11 +1,8 @@
-"""Scenes small enough for a deck to be read in a test, and decks read back by their keywords."""
+"""Scenes small enough for CalculiX to run their decks in a moment."""
 
 import shutil
-from pathlib import Path
-from typing import NamedTuple
 
 import blocks
-import numpy as np
 import pytest
 
 from scenes import load_scene, read_scene
@@ -47,46 +44,3 @@ def with_calculix():
     """Skip where CalculiX is not installed."""
     if shutil.which("ccx") is None:
         pytest.skip("ccx is not installed (Debian package calculix-ccx): decks are not run")
-
-
-class Card(NamedTuple):
-    """A keyword with its parameters and data lines, numbers and names as they stand there."""
-
-    keyword: str
-    parameters: dict
-    rows: list
-
-
-def cards(file):
-    """Cards of a deck, with those of the files that it includes in their place, read by hand."""
-    found = []
-    for line in Path(file).read_text(encoding="utf-8").splitlines():
-        words = [word.strip() for word in line.split(",")]
-        if not line.startswith("*"):
-            found[-1].rows.append([word for word in words if word])
-        elif not line.startswith("**"):
-            pairs = (word.partition("=") for word in words[1:])
-            parameters = {name.upper(): value for name, _, value in pairs}
-            own = [Card(words[0][1:], parameters, [])]
-            included = words[0] == "*INCLUDE"
-            found += cards(Path(file).parent / parameters["INPUT"]) if included else own
-    return found
-
-
-def of(deck, keyword, **parameters):
-    """Cards of a keyword that have some parameters."""
-    return [
-        card
-        for card in deck
-        if card.keyword == keyword
-        and all(card.parameters.get(name) == value for name, value in parameters.items())
-    ]
-
-
-def nodes(deck):
-    """Coordinates by number."""
-    return {
-        int(row[0]): np.array(row[1:], dtype=float)
-        for card in of(deck, "NODE")
-        for row in card.rows
-    }

@@ -1,4 +1,4 @@
-"""Meshes of the shapes: nodes where the breaks and circles say, measures, names, refusals."""
+"""Meshes of the shapes: nodes on circles, measures, names, refusals."""
 
 from dataclasses import replace
 from math import asin, pi
@@ -32,34 +32,7 @@ OTHER = VentilatedDisc(
     holes=2, hole_radius=0.006, hole_start=7.0, vanes=3, vane_width=0.02, vane_start=11.0,
     upper_bottom=0.03, upper_top=0.042, hub_bottom=0.05, hub_top=0.058, ring_height=0.012,
 )  # fmt: skip
-BETWEEN = {
-    "box": (BOX, (3, 2, 2), {"x": [0.17]}),
-    "annulus": (ANNULUS, (2, 14, 1), {"r": [0.07]}),
-    "sector": (SECTOR, (2, 5, 2), {"theta": [-20.0]}),
-}
-"""Shapes, elements, coordinates that breaks pass through."""
 PLACEMENT = Placement(axis=(1.0, -2.0, 0.5), angle=50.0, translation=(0.3, 0.1, -0.7))
-
-
-def native(shape, points):
-    """Points of a placed shape in its own directions: x, y, z or r, theta, z."""
-    x = (points.reshape(-1, 3) - PLACEMENT.translation) @ PLACEMENT.rotation
-    if shape.shape == "box":
-        return x
-    theta = np.degrees(np.arctan2(x[:, 1], x[:, 0]))
-    return np.column_stack([np.hypot(x[:, 0], x[:, 1]), theta, x[:, 2]])
-
-
-@pytest.mark.parametrize("kind", BETWEEN)
-def test_nodes_of_hexahedra_lie_on_breaks_and_half_way(kind):
-    shape, elements, through = BETWEEN[kind]
-    breaks = breaks_of(shape, elements, through)
-    mesh = shape_mesh(shape, "hexahedron", 2, breaks=breaks, placement=PLACEMENT)
-    assert len(mesh.cells) == np.prod([len(line) - 1 for line in breaks])
-    for found, line in zip(native(shape, mesh.points).T, breaks, strict=True):
-        both = found, np.concatenate([line, (line[1:] + line[:-1]) / 2])
-        found, expected = (np.unique(np.round(each % 360, 8) % 360) for each in both)
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7)
 
 
 BREAKS = breaks_of(BOX, (1, 1, 1))

@@ -5,7 +5,7 @@ import pytest
 from blocks import alone, scene_body
 
 from cea.material import Axes, OrthotropicMaterial
-from scenes import SceneError, assemble, load_scene, read_scene, run_modes
+from scenes import assemble, load_scene, read_scene, run_modes
 from scenes.building.build import build_body
 
 WOOD = {
@@ -160,33 +160,6 @@ def test_energy_of_a_uniform_strain_and_its_stresses(backend):
         left.setArray(vector)
         matrix.mult(left, product)
         assert left.dot(product) == pytest.approx(np.prod(SIZE) * np.sum(right), rel=1e-11)
-
-
-REFUSED = {
-    "E_1": (WOOD | {"E_1": -1.0}, "positive number"),
-    "nu_23": (WOOD | {"nu_12": 3.0, "nu_13": 4.0, "nu_23": 1.2}, "positive definite"),
-    "G_12": ({k: v for k, v in WOOD.items() if k != "G_12"}, "nine constants"),
-    "C_22": ({"kind": "anisotropic", "C": {"C_11": 1.0, "C_12": 2.0, "C_22": 3.0}}, "C_22"),
-    "axes": (WOOD | {"axes": {"first": [1, 0, 0], "second": [2, 0, 0]}}, "axes"),
-}
-
-
-@pytest.mark.parametrize(("material", "named"), REFUSED.values(), ids=REFUSED)
-def test_wrong_constants_and_axes_are_refused_by_name(material, named):
-    with pytest.raises(SceneError) as refused:
-        block("fe", material)
-    assert named in str(refused.value)
-
-
-def test_in_the_plane_and_in_rotation_symmetry_is_asked_for():
-    plane = load_scene("blocks").change("bodies.upper.material", WOOD)
-    with pytest.raises(SceneError, match="plane strain"):
-        plane.change("bodies.upper.material.axes", OBLIQUE)
-    round_disc = {"bodies.disc.material": FIVE, "bodies.disc.rotation": {"rate": 10.0}}
-    scene = load_scene("disc_pad").change(round_disc)
-    with pytest.raises(SceneError, match="axisymmetric"):
-        scene.change("bodies.disc.material", WOOD)
-    scene.change("bodies.disc.material", WOOD | {"axes": ROUND})
 
 
 def test_cylindrical_axes_are_those_of_expressions():

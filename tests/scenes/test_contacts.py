@@ -23,7 +23,8 @@ def system_of(scene):
 def test_a_run_repeats_itself_to_the_last_bit(backend, form):
     """On one rank."""
     gpts = {"method": "gpts", "points": 3}
-    scene = read_scene(coarse(two_blocks(backend, gpts, held=True, form=form)))
+    data = coarse(two_blocks(backend, gpts, held=True, form=form))
+    scene = read_scene(data).change("analysis.max_frequency", 0.7)
     first, second = (run_modes(scene).modes for _ in range(2))
     assert len(first) > 5
     for name in ("eigenvalues", "growth_uncertainties", "conditions"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matrix_files import dense, inside, pieces, scene, undamped, write
 from scipy.io import mmwrite, savemat
-from scipy.sparse import csr_array, diags_array, random_array, save_npz, tril, triu
+from scipy.sparse import csr_array, diags_array, random_array, save_npz, tril
 
 from cea.errors import InputError
 from cea.petsc import MPI, PETSc
@@ -157,15 +157,6 @@ def test_a_chain_without_damping_is_a_symmetric_linear_problem(tmp_path):
     assert result.modes.window.symmetric_count is not None
     assert {"damping", "unsymmetric solver", "pictures", "paraview"} <= set(result.skipped)
     assert not result.warnings
-
-
-@pytest.mark.parametrize(("name", "triangle"), [("lower", tril), ("upper", triu)])
-def test_one_triangle_is_refused_until_it_is_said_what_it_is(tmp_path, name, triangle):
-    with pytest.raises(InputError, match=f"--symmetric .*mirrors the {name} triangle") as refused:
-        run_matrices(chain(tmp_path, K=triangle(CHAIN)))
-    assert refused.value.field == "files.K"
-    assert f"entries in its {name} triangle alone" in str(refused.value)
-    run_chain(chain(tmp_path, K=triangle(CHAIN), symmetric={"K": True}))
 
 
 def lines(matrix, file, labelled):

@@ -179,6 +179,7 @@ def test_what_remains_is_less_than_what_the_last_step_changed(backend, changes):
     assert (before <= 0.2 * one.errors).all()
 
 
+@pytest.mark.grid(quick=1)
 def test_what_remains_where_a_ring_rotates(backend):
     """With gyroscopic forces, and damping that rotates."""
     ring = scene_body(
@@ -208,6 +209,7 @@ def test_the_richer_scene_keeps_all_but_the_spaces():
         assert replace(richer, bodies=bodies) == scene != richer
 
 
+@pytest.mark.grid(quick=1)
 def test_errors_of_a_result_without_left_vectors_are_those_with_them(backend):
     scene = coarse_scene("blocks", backend, 2, 2.0, elements=FEW)
     plain, with_left = run_modes(scene), run_modes(scene, left=True)

@@ -39,7 +39,7 @@ def _registered(monkeypatch):
 def test_a_scene_names_it_and_both_backends_run_it(backend):
     def eigenvalues(formulation):
         data = coarse(two_blocks(backend, formulation, held=True))
-        return run_scene(read_scene(data)).modes.eigenvalues
+        return run_scene(read_scene(data).change("analysis.max_frequency", 0.7)).modes.eigenvalues
 
     found = eigenvalues({"method": "midpoints"})
     assert found == pytest.approx(eigenvalues({"method": "gpts", "points": 1}), rel=1e-9)

@@ -1,4 +1,4 @@
-"""What a run gives: shapes, matrices, bodies used again; records, opened again; folders."""
+"""What a run gives: shapes, matrices; records, opened again; folders."""
 
 import json
 import os
@@ -17,7 +17,6 @@ from scenes.results.folder import MANIFEST, RESULT, check_out, listed, new_folde
 from scenes.results.record import commit, read_record, record, write_record
 
 GPTS = {"method": "gpts", "points": 3}
-MU = "contacts.interface.mu"
 
 
 @pytest.fixture(scope="module", params=["fe", "iga"])
@@ -58,24 +57,6 @@ def test_matrices_have_the_eigenvalues(result):
         assert np.abs(found - value).min() < 1e-7 * abs(value)
     inside = (found.imag > 0) & (found.imag < 2 * np.pi * result.analysis.max_frequency)
     assert inside.sum() == len(result.modes)
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize(
-    ("change", "reused"),
-    [
-        ({"contacts.interface.P": 5.0, MU: 0.2}, {"upper", "lower"}),
-        ({"bodies.upper.material.nu": 0.2}, {"lower"}),
-        ({"bodies.upper.springs": [{"surface": "x_min", "stiffness": [1.0] * 3}]}, {"lower"}),
-    ],
-    ids=lambda value: next(iter(value)) if isinstance(value, dict) else None,
-)
-def test_what_the_scene_makes_of_the_same_is_used_again(result, change, reused):
-    scene = result.scene.change(change)
-    again = run_modes(scene, bodies=result.bodies)
-    assert again.eigenvalues == pytest.approx(run_modes(scene).eigenvalues, rel=1e-9, abs=1e-9)
-    kept = {name for name, body in again.bodies.items() if body is result.bodies[name]}
-    assert kept == reused
 
 
 # Records: whole or not at all, with what made them, and opened again as results.
