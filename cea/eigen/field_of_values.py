@@ -13,9 +13,6 @@ Multipliers f enter H through M = (J + L) / 2 and D = (J - L) / 2,
 as two sets of unknowns; there is no bound where friction acts without compliance. For each
 dependent closure each set has an additional row; the two add one negative eigenvalue.
 
-Circulatory terms Q are skew up to discretisation errors. If H is without them, and r < 1 is the
-largest abs(x^H (Q + Q^T) x) / 2 x^H (H + X M) x, the cone has the slope t / (1 - r).
-
 With damping let h + i n be x^H K x and c + i y be x^H (C + Y) x. An eigenvalue lambda = g + i w
 satisfies x^H P(lambda) x = 0. The real parts of this equation and of it divided by lambda are
 
@@ -79,13 +76,13 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """
     if matrices.symmetric:
         return None if count_below(matrices, -depth) else 0.0
-    slope, forces = np.inf, matrices.contacts
+    slope, forces = np.inf, matrices.multipliers
     factors = _definite(_hermitian_part(matrices, depth), forces)
     if factors is None:
         return None
     loose = forces is None or not (forces.tied or forces.dependent)
     if cone and loose and not factors.inertia()[1]:
-        slope = _slope(factors, matrices)
+        slope = _SAFETY * _largest_slope(factors, matrices)
     factors.free()
     return slope
 
@@ -166,14 +163,13 @@ def _definite(hermitian: Mat, forces: Multipliers | None) -> Mumps | None:
     return None
 
 
-def _slope(factors: Mumps, matrices: Matrices) -> float:
-    """Return an estimate of the slope t, with the factors of H + X M without circulatory terms.
+def _largest_slope(factors: Mumps, matrices: Matrices) -> float:
+    """Return a lower estimate of the largest abs(x^H N x) / x^H (H + X M) x.
 
-    Infinite where the compliance of forces is singular.
+    ``factors`` are those of H + X M. Infinite where the compliance of forces is singular.
     """
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
-    forces, contacts = matrices.multipliers, matrices.contacts
-    first = 0 if contacts is None else contacts.compliance.getLocalSize()[0]
+    forces = matrices.multipliers
     compliance: Mumps | None = None
     if forces is not None:
         try:
@@ -181,55 +177,44 @@ def _slope(factors: Mumps, matrices: Matrices) -> float:
         except ConvergenceError:  # without this bound the run continues
             return np.inf
 
-    def of_forces(x: Floats, start: int, *, transposed: bool) -> Floats:
-        if forces is None or compliance is None:
-            return np.zeros_like(x)
-        both = (forces.reaction, forces.closure)
-        J, L = both if transposed else both[::-1]
-        f = compliance.solve_block(times(J, x))
-        f[:start] = 0.0
-        return transposed_times(L, f)
-
     def unsymmetric(x: Floats, *, transposed: bool = False) -> Floats:
-        force = of_forces(x, 0, transposed=transposed)
+        force = np.zeros_like(x)
         if matrices.unsymmetric is not None:
             force += (transposed_times if transposed else times)(matrices.unsymmetric, x)
+        if forces is not None and compliance is not None:
+            both = (forces.reaction, forces.closure)
+            J, L = both if transposed else both[::-1]
+            force += transposed_times(L, compliance.solve_block(times(J, x)))
         return force
 
     def skew(x: Floats) -> Floats:
         return np.asfortranarray(0.5 * (unsymmetric(x) - unsymmetric(x, transposed=True)))
 
-    def circulatory(x: Floats) -> Floats:
-        both = (of_forces(x, first, transposed=transposed) for transposed in (False, True))
-        return np.asfortranarray(0.5 * sum(both))
-
     def solve(b: Floats) -> Floats:
         return factors.solve_block(b)[:rows]
 
-    slope, rest = _SAFETY * _largest_quotient(solve, skew, rows, comm), 0.0
-    if forces is not contacts:
-        rest = _SAFETY * _largest_quotient(solve, circulatory, rows, comm)
+    slope = _largest_quotient(solve, skew, rows, comm)
     if compliance is not None:
         compliance.free()
-    return slope / (1 - rest) if rest < 1 else np.inf
+    return slope
 
 
-def _largest_quotient(solve: Operation, part: Operation, rows: int, comm: Any) -> float:
+def _largest_quotient(solve: Operation, skew: Operation, rows: int, comm: Any) -> float:
     """Return a lower estimate of max abs(x^H N x) / x^H H x by a block Krylov method.
 
-    ``solve`` and ``part`` apply H^-1 and N, skew or symmetric, to a block. The basis is orthonormal
-    in H, in which H^-1 N is skew or symmetric.
+    ``solve`` and ``skew`` apply H^-1 and N to a block. The basis is orthonormal in H, in which
+    H^-1 N is skew.
     """
     most = _COLUMNS * _STEPS
-    basis, images, loads = (np.empty((rows, most), order="F") for _ in range(3))
+    basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))
     start = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
-    load, size = part(start), 0
+    load, size = skew(start), 0
     for _ in range(_STEPS):
         block, image = np.asfortranarray(solve(load)), load.copy(order="F")
         for _ in range(2):  # the second projection removes rounding of the first
-            before = all_inner(images[:, :size], block, comm)
-            block -= basis[:, :size] @ before
-            image -= images[:, :size] @ before
+            part = all_inner(images[:, :size], block, comm)
+            block -= basis[:, :size] @ part
+            image -= images[:, :size] @ part
         squares, axes = np.linalg.eigh(all_inner(block, image, comm))
         kept = squares > _DEPENDENT * max(squares.max(), np.finfo(float).tiny)
         if not kept.any():
@@ -238,8 +223,8 @@ def _largest_quotient(solve: Operation, part: Operation, rows: int, comm: Any) -
         new = slice(size, size + turn.shape[1])
         size = new.stop
         basis[:, new], images[:, new] = combined(block, turn), combined(image, turn)
-        load = loads[:, new] = part(basis[:, new])
-    projected = all_inner(basis[:, :size], loads[:, :size], comm)
+        load = skews[:, new] = skew(basis[:, new])
+    projected = all_inner(basis[:, :size], skews[:, :size], comm)
     return float(np.linalg.norm(projected, 2)) if size else 0.0
 
 

@@ -104,7 +104,7 @@ def _restricted(matrices: Matrices, whole: Matrices) -> Matrices | None:
     unsymmetric = friction and friction.createSubMatrix(dofs, dofs)
     multipliers = None if forces is None else _of_columns(forces, dofs)
     destroy(diagonal, dofs)
-    return Matrices(stiffness, unsymmetric, mass, multipliers, multipliers)
+    return Matrices(stiffness, unsymmetric, mass, None, multipliers)
 
 
 def _acts_on(matrices: Matrices, dofs: Floats) -> bool:
