@@ -4,15 +4,12 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from blocks import assemble, coarse, two_blocks
+from blocks import GPTS, assemble, coarse, two_blocks
 from covering import covering
 from petsc_matrices import dense_pencil, to_numpy
 
 from cea.errors import InputError
 from scenes.spec.plain import set_fields
-
-GPTS = {"method": "gpts", "points": 3}
-
 
 UPPER, CONTACT = "bodies.upper", "contacts.interface"
 CHANGES = [

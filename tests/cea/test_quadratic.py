@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from blocks import assemble, coarse, two_blocks
+from blocks import GPTS, assemble, coarse, two_blocks
 from covering import covering
 from damped_numbers import modally_damped_disc
 from dense_reference import dense_quadratic
@@ -23,7 +23,6 @@ from cea.eigen.unformed import LowRank, UnformedTerm
 from cea.errors import ConvergenceError, InputError
 from cea.reduced.full_solves import first_threshold
 
-GPTS = {"method": "gpts", "points": 3}
 TOP = 1.0
 """End of the windows of the two blocks (Hz)."""
 slow = pytest.mark.slow

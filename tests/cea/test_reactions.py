@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import alone, coarse, scene_body, two_blocks
+from blocks import GPTS, alone, coarse, scene_body, two_blocks
 from covering import covering
 from mpi import on_ranks
 from pressed import pressed_blocks
@@ -14,7 +14,6 @@ from scenes import read_scene, run_scene
 E, NU, MU = 2.0, 0.3, 0.3
 STATIC = {"kind": "static", "samples": 5}
 INNER, OUTER, MOVED = 0.5, 1.0, 1e-3
-GPTS = {"method": "gpts", "points": 3}
 RULE = {"formulation": GPTS}
 MORTAR = {"formulation": {"method": "mortar"}}
 LAW = {"c_n": 10.0, "m_n": 1.5}

@@ -4,14 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from blocks import assemble, coarse, two_blocks
+from blocks import GPTS, assemble, coarse, two_blocks
 from covering import covering
 
 from cea.eigen.driver import solve_modes
 from scenes import run_scene
 from scenes.spec.reading import load_scene
-
-GPTS = {"method": "gpts", "points": 3}
 
 
 def scene(backend, formulation, **fields):

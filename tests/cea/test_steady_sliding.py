@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS, assemble, coarse
+from blocks import FORMULATIONS, GPTS, assemble, coarse
 from covering import covering
 from petsc_matrices import to_numpy
 from pressed import AREA, PRESSURE, SOFT, pressed_blocks
@@ -12,7 +12,6 @@ from cea.errors import ConvergenceError, InputError
 from cea.system.steady_equations import SteadyEquations
 from cea.system.steady_path import steady_sliding
 
-GPTS = {"method": "gpts", "points": 3}
 RNG = np.random.default_rng(5)
 
 

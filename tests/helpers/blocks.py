@@ -5,6 +5,7 @@ from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.spec.plain import checked
 from scenes.spec.reading import Scene, read_scene
 
+GPTS = {"method": "gpts", "points": 3}
 FORMULATIONS = ["collocation", "weighted collocation", "grid", "gpts", "segments", "mortar"]
 PLACEMENTS = ["axis-aligned", "rotated"]
 """Parameters of the fixtures `formulation` and `placement`."""

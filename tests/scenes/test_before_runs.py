@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 from bad_inputs import BUILT, changed, coarse
+from blocks import GPTS, two_blocks
 from blocks import coarse as of_few_elements
-from blocks import two_blocks
 from PIL import Image
 
 from cea.eigen import mumps
@@ -63,7 +63,6 @@ def test_the_picture_shows_bodies_supports_and_contacts(backend, base, tmp_path)
 
 
 # What a scene does not need is neither computed nor imported, and the result says so.
-GPTS = {"method": "gpts", "points": 3}
 LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 
 

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import pyvista
-from blocks import coarse, two_blocks
+from blocks import GPTS, coarse, two_blocks
 from matplotlib.image import imread
 from motions import mode_displacement
 
@@ -16,8 +16,6 @@ from scenes import load_scene, read_scene, run_scene
 from scenes.building.build import build_bodies
 from scenes.export.paraview import write_paraview
 from scenes.pictures.grids import outside, sharp_edges
-
-GPTS = {"method": "gpts", "points": 3}
 
 
 @pytest.fixture(scope="module", params=["fe", "iga"])

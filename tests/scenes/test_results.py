@@ -7,7 +7,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from blocks import coarse, two_blocks
+from blocks import GPTS, coarse, two_blocks
 from motions import mode_displacement
 from scipy.linalg import eigvals
 
@@ -15,8 +15,6 @@ from cea.errors import InputError
 from scenes import open_result, read_scene, run_modes, run_static, save_result
 from scenes.results.folder import MANIFEST, RESULT, check_out, listed, new_folder
 from scenes.results.record import commit, read_record, record, write_record
-
-GPTS = {"method": "gpts", "points": 3}
 
 
 @pytest.fixture(scope="module", params=["fe", "iga"])

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 import pyvista
-from blocks import coarse
+from blocks import GPTS, coarse
 from pressed import AREA, PRESSURE, pressed_blocks
 
 from cea.eigen.shifted import Shifted
@@ -19,7 +19,6 @@ from scenes import assemble, read_scene, run_modes, run_scene
 from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.export.paraview import write_load_steps
 
-GPTS = {"method": "gpts", "points": 3}
 LAW = {"c_n": 1e2, "m_n": 2.0, "mu": 0.3, "added_gap": "0.2*(x-0.45)**2"}
 MU = "contacts.interface.mu"
 STEPS = [0.1, 0.4, 1.0]
