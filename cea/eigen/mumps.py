@@ -71,7 +71,7 @@ class Mumps:
         limit = self._limit()
         for room in _ROOM:
             self._pc = self._prepared(room, limit)
-            self._set_up()
+            self.factorise()
             if room == _ROOM[-1] or self._pc.getFailedReason() != _NO_ROOM:
                 break
             destroy(self._pc)
@@ -107,9 +107,9 @@ class Mumps:
         message += f"on disk; {there} are free (MUMPS, INFOG(1) = {code})"
         raise NoRoomError(message, memory, with_files, files, free)
 
-    def _set_up(self) -> None:
-        """Factorise; PETSc reads the folder of factors from its options during the setup."""
-        options: Any = PETSc.Options()
+    def factorise(self) -> None:
+        """Factorise if the matrix has changed."""
+        options: Any = PETSc.Options()  # of the folder of factors
         if (folder := folder_of_factors()) is None:
             self._pc.setUp()
             return

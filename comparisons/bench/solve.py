@@ -8,6 +8,7 @@ cancels.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from typing import Annotated, Any
@@ -21,7 +22,8 @@ from scipy.sparse.linalg import eigs
 from cea.arrays import Complexes, Floats
 from cea.eigen.block_products import all_inner, norms, times
 from cea.eigen.classify import classify, thresholds
-from cea.eigen.driver import solve_modes
+from cea.eigen.driver import EigenSolver
+from cea.eigen.mumps import Mumps, factors_on_disk
 from cea.eigen.pencil import Pencil
 from cea.errors import require
 from cea.matrices import destroy, local_part, scaled_total
@@ -33,6 +35,7 @@ from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
 from comparisons.study.sections import Column, Plot, Section, Table
 from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
+from scenes.checking.memory import in_memory_or_on_disk
 from scenes.running.system import coupled
 from scenes.spec.reading import Scene, load_scene
 
@@ -59,8 +62,9 @@ _RIGID = 1e-6  # abs(lambda), relative to the largest, below which a mode is a r
 
 @dataclass(frozen=True)
 class Problem:
-    """The eigenproblem K x = kappa M x with K = S + U."""
+    """The eigenproblem K x = kappa M x of a scene, with K = S + U."""
 
+    scene: Scene
     pencil: Pencil  # input of this program's driver
     stiffness: Any  # S, PETSc AIJ
     mass: Any
@@ -80,6 +84,7 @@ class Answer:
     vectors: Complexes  # the rows of this rank
     claims: str = ""  # which eigenvalues the method claims to return
     stages: Mapping[str, float] = field(default_factory=dict)  # processor seconds, if known
+    on_disk: bool = False  # whether factors were written to disk, for lack of memory
 
     def inside(self) -> "Answer":
         """Return the eigenvalues inside the window."""
@@ -106,10 +111,14 @@ def unstable(values: Complexes) -> Complexes:
 def this_driver(problem: Problem, wanted: int) -> Answer:
     """Return all modes of the window, with evidence of completeness."""
     timer = StageTimer()
-    modes = solve_modes(problem.pencil, MAX_FREQUENCY, timer=timer)
+    with EigenSolver(problem.pencil) as driver:
+        solve = partial(driver.solve, MAX_FREQUENCY, timer=timer)
+        modes = in_memory_or_on_disk(problem.scene, driver, solve)
     window, stages = modes.window, timer.processor_seconds
     claims = "complete" if window.bounded else f"complete to a growth of {window.max_growth:.3g}"
-    return Answer(-(modes.eigenvalues**2), modes.vectors, claims, stages)
+    on_disk = any(each.kind == "factors-on-disk" for each in modes.warnings)
+    claims += ", factors on disk" if on_disk else ""
+    return Answer(-(modes.eigenvalues**2), modes.vectors, claims, stages, on_disk)
 
 
 def slepc(problem: Problem, wanted: int) -> Answer:
@@ -208,9 +217,10 @@ def scene(case: Case, options: Options) -> Scene:
 def _problem(options: Options) -> Problem:
     """Return the matrices, assembled once in a process, and start the event log of PETSc."""
     PETSc.Log.begin()
-    pencil = coupled(scene({}, options))[0].pencil()
+    solved = scene({}, options)
+    pencil = coupled(solved)[0].pencil()
     matrices = pencil.at()
-    return Problem(pencil, matrices.stiffness, matrices.mass, matrices.unsymmetric)
+    return Problem(solved, pencil, matrices.stiffness, matrices.mass, matrices.unsymmetric)
 
 
 @cache
@@ -228,7 +238,9 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     with measured() as cost:
         found = METHODS[name](problem, wanted).inside()
     counts = {event: count - before[event] or None for event, count in _counts().items()}
-    processor, lu = comm.allreduce(cost.processor), comm.allreduce(lu_seconds(problem))
+    with factors_on_disk() if found.on_disk else nullcontext():
+        lu = comm.allreduce(lu_seconds(problem))
+    processor = comm.allreduce(cost.processor)
     speeds = np.sqrt(-found.kappa.astype(complex))
     row = {
         "unknowns": int(problem.mass.getSize()[0]),
@@ -261,17 +273,11 @@ def _counts() -> dict[str, int]:
 
 def lu_seconds(problem: Problem) -> float:
     """Processor time (s) of a numeric factorisation at the shift, without its ordering."""
-    matrix = problem.unsymmetric(_SHIFT)
-    pc: Any = PETSc.PC().create(matrix.comm)
-    pc.setOperators(matrix)
-    pc.setType(PETSc.PC.Type.LU)
-    pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-    pc.setUp()
-    matrix.stateIncrease()  # forces a new numeric factorisation
-    pc.setOperators(matrix)
+    factors = Mumps(problem.unsymmetric(_SHIFT), symmetric=False)
+    factors.matrix.stateIncrease()  # a numeric factorisation only
     with measured() as cost:
-        pc.setUp()
-    destroy(pc, matrix)
+        factors.factorise()
+    factors.free()
     return cost.processor
 
 
