@@ -64,8 +64,6 @@ def test_every_file_of_a_package_is_in_its_wheel_and_its_types_are_offered():
     for package, patterns in packing["package-data"].items():
         for room in ROOMS if package == "*" else [package]:
             packed |= {path for pattern in patterns for path in (ROOT / room).glob(pattern)}
-    listed = subprocess.run(
-        ["git", "ls-files", *ROOMS], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    files = [ROOT / name for name in listed.stdout.splitlines() if not name.endswith(".py")]
+    every = [path for room in ROOMS for path in (ROOT / room).rglob("*.*") if path.is_file()]
+    files = [path for path in every if path.suffix not in (".py", ".pyc")]
     assert [path for path in files if path not in packed] == []
