@@ -90,14 +90,13 @@ def growing_root(window: Window, of: Quantity, z: Complexes) -> complex:
     return root if window.damped else complex(abs(root.real), root.imag)
 
 
-@dataclass(frozen=True)
 class Crossings:
-    """Thresholds of one unit between three samples at rising ``places``; ``at`` returns spectra."""
+    """Thresholds of one unit between three samples; ``at`` returns the sample at a value."""
 
-    window: Window
-    at: Callable[[float], Sample]
-    unit: Unit
-    places: tuple[float, float, float]
+    def __init__(self, at: Callable[[float], Sample], unit: Unit) -> None:
+        self.at, self.unit, self.window = at, unit, unit.window
+        self._places = unit.mean.places
+        self._grid, self._width = grid_of(self._places), float(np.ptp(self._places))
 
     def thresholds(self) -> Iterator[Threshold]:
         """Yield all thresholds of the interval.
@@ -124,14 +123,6 @@ class Crossings:
         for branch in range(1 if conjugates else members):
             yield from self._crossed("end", branch, unit.doubts)
 
-    @property
-    def _grid(self) -> Floats:
-        return grid_of(self.places)
-
-    @property
-    def _width(self) -> float:
-        return self.places[2] - self.places[0]
-
     def _crossed(
         self, of: Quantity, branch: int, error: Function, negligible: float | None = None
     ) -> Iterator[Threshold]:
@@ -144,11 +135,8 @@ class Crossings:
             values = passing(self.window, of, self.unit.members(at))
             return np.sort(values, axis=0)[branch] if of == "growth" else values[branch]
 
-        if negligible is None:
-            found = _signs(value, self._grid)
-        else:
-            found = self._sure_roots(value, error, negligible)
-        for place, sign in found:
+        known = np.zeros_like if negligible is None else error
+        for place, sign in self._sure_roots(value, known, negligible or 0.0):
             if self._counts(of, branch, place):
                 h = 1e-4 * self._width
                 rate = max(abs(value(place + h) - value(place - h)) / (2 * h), _TINY)
@@ -175,7 +163,7 @@ class Crossings:
         self, of: Quantity, branch: int, start: float, sign: int, off: float
     ) -> Threshold:
         """Refine a root of an interpolant on the pencil itself; it may move by at most ``off``."""
-        (low, _, high), stray, place = self.places, _STRAY * self._width, start
+        (low, _, high), stray, place = self._places, _STRAY * self._width, start
         for _ in range(_STEPS):
             sample, foreseen = self.at(place), self.unit.members(place)
             rows, columns = assign(np.abs(sample.z[:, None] - foreseen))
@@ -235,7 +223,7 @@ class Crossings:
         """
         grid, width = self._grid, self._width
         values, errors = function(grid), error(grid)
-        own = _ROUNDING * float(error(np.array(self.places)).max())
+        own = _ROUNDING * float(error(self._places).max())
         noise = min(own, negligible)
         signs = np.where(values > errors, 1, np.where(values < -errors, -1, 0))
         sure = np.flatnonzero(signs)
@@ -268,7 +256,7 @@ class Crossings:
                 yield _root(function, grid[i], place), -sign
                 yield _root(function, place, grid[j]), sign
             elif least <= doubt:
-                aside = min(abs(place - each) for each in self.places) > NEAR * width
+                aside = min(abs(place - each) for each in self._places) > NEAR * width
                 if doubt > noise or aside:
                     raise UnresolvedError(place)
 
@@ -280,13 +268,6 @@ class Crossings:
         open_ = (np.abs(half(places)) <= half.error(places)) & (self.unit.doubts(places) > noise)
         if open_.any():
             raise UnresolvedError(float(places[open_][0]))
-
-
-def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:
-    """Yield roots between points where a function has opposite signs, with the sign after each."""
-    values = function(grid)
-    for i in np.flatnonzero((values[:-1] > 0) != (values[1:] > 0)):
-        yield _root(function, grid[i], grid[i + 1]), 1 if values[i + 1] > 0 else -1
 
 
 def _root(function: Function, low: float, high: float) -> float:

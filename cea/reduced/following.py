@@ -99,7 +99,7 @@ class Hermite:
     ) -> None:
         if not np.isfinite(slopes).all():
             raise UnresolvedError
-        self._places, self._noise = places, noise
+        self.places, self._noise = places, noise
         self._spline = CubicHermiteSpline(places, values, slopes)
         low, middle, high = places
         whole = CubicHermiteSpline(places[::2], values[::2], slopes[::2])
@@ -114,7 +114,7 @@ class Hermite:
 
     def error(self, at: Any) -> Any:
         """Return error bounds of the values at a point or at several."""
-        low, middle, high = self._places
+        low, middle, high = self.places
         u = np.where(at <= middle, (at - low) / (middle - low), (at - middle) / (high - middle))
         return self.misfit * (4 * u * (1 - u)) ** 2 + self._noise
 

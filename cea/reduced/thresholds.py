@@ -254,8 +254,7 @@ class _Search:
         """Return the thresholds of an interval; UnresolvedError if they do not explain its ends."""
         samples = [self._at(each) for each in (low, middle, high)]
         units = units_of(self._window, samples)
-        at, places = self._at, (low, middle, high)
-        found = [t for u in units for t in Crossings(self._window, at, u, places).thresholds()]
+        found = [each for unit in units for each in Crossings(self._at, unit).thresholds()]
         sure = [each for each in (low, middle, high) if not self._undecided(each)]
         for one, other in pairwise(sure):
             change = sum(each.change for each in found if one < each.value <= other)
