@@ -75,32 +75,32 @@ class Norms:
         self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], end: float
     ) -> None:
         matrix, factors, self.shift = _definite(pencil, values, end)
-        self._made: list[Any] = [matrix, factors]
+        pieces.kept(matrix)
+        pieces.kept(factors)
         own = slice(0, pieces.displacements)
         self._stiffness = pieces.acting(partial(times, matrix), own, own)
         self.solve = pieces.acting(factors.solve_block, own, own)
-        self._softness = [
-            max(each.inverse_stiffness.at(values), _FELT / each.body_stiffness[0])
-            for each in pencil.forces
+        self._contacts = [
+            (each, max(each.of.inverse_stiffness.at(values), _FELT / each.of.body_stiffness[0]))
+            for each in pieces.contacts
         ]
-        self._contacts = list(zip(pieces.contacts, self._softness, strict=True))
         self._pressed: Product = np.zeros_like
         if self._contacts:
             below = slice(pieces.displacements, pieces.rows)
-            self._pressed = pieces.acting(self._saddle(pencil, matrix), below, below)
+            self._pressed = pieces.acting(self._saddle(pieces, matrix), below, below)
         self.states = InnerProduct(pieces.comm, pieces.rows, self._image)
         self.residuals = InnerProduct(pieces.comm, pieces.rows, self._image_of_caused)
 
-    def _saddle(self, pencil: Pencil, matrix: Any) -> Product:
+    def _saddle(self, pieces: Pieces, matrix: Any) -> Product:
         """Return a function that applies (c_c C^ + J X^-1 J^T)^-1 by the frictionless problem."""
-        both = zip(self._softness, pencil.forces, strict=True)
-        parts = [scaled_total([(softness, each.compliance)]) for softness, each in both]
-        closure = one_below_the_other([each.closure for each in pencil.forces])
+        parts = [scaled_total([(soft, each.of.compliance)]) for each, soft in self._contacts]
+        closure = one_below_the_other([each.of.closure for each in pieces.contacts])
         compliance = block_diagonal(parts).convert("aij")
-        forces = Multipliers(closure, closure, compliance, None, 0)
+        forces = pieces.kept(Multipliers(closure, closure, compliance, None, 0))
         destroy(*parts)
-        factors = Mumps(bordered(matrix.copy(), forces, symmetric=True), symmetric=True)
-        self._made += [factors, forces]
+        factors = pieces.kept(
+            Mumps(bordered(matrix.copy(), forces, symmetric=True), symmetric=True)
+        )
         n = matrix.getLocalSize()[0]
 
         def pressed(gaps: Floats) -> Floats:
@@ -130,12 +130,6 @@ class Norms:
     def caused(self, block: Floats) -> Floats:
         """Return the Riesz representatives X^-1 v and (c_c C^ + J X^-1 J^T)^-1 q of residuals."""
         return self.solve(block) + self._pressed(block)
-
-    def free(self) -> None:
-        """Free the factors."""
-        for each in self._made:
-            each.free() if hasattr(each, "free") else destroy(each)
-        self._made.clear()
 
 
 def _definite(pencil: Pencil, values: Mapping[str, float], end: float) -> tuple[Any, Mumps, float]:

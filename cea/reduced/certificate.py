@@ -35,21 +35,15 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import connected
+from cea.reduced.window import Window
 
 _TOUCH = 10.0
 """Distance of two eigenvalues, in multiples of the smaller error bound, up to which they are
 treated as one cluster."""
 _TINY = float(np.finfo(float).tiny)
-
-
-def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
-    """Return A x in real arithmetic."""
-    result: Complexes = matrix @ vectors.real + 1j * (matrix @ vectors.imag)
-    return result
 
 
 @dataclass(frozen=True)
@@ -80,14 +74,15 @@ class Term:
 
 @dataclass(frozen=True)
 class Pairs:
-    """Eigenpairs of a linearised problem T q = q / (z - shift).
+    """Eigenpairs of P(z) on a basis, computed by a linearised problem T q = q / (z - shift).
 
-    ``values`` are z; ``right`` and ``left`` are x and y of M-norm one, followed by contact forces,
-    shape (k + m, n); ``states`` and ``duals`` are right and left vectors of T whose displacements
-    have M-norm one, shape (k or 2 k, n); ``operator`` is T. ``scale`` (1/s) divides velocities in
-    states of a damped pencil.
+    ``terms`` are those of P, with contact forces among their unknowns. ``values`` are z; ``right``
+    and ``left`` are x and y of M-norm one, followed by contact forces, shape (k + m, n); ``states``
+    and ``duals`` are right and left vectors of T whose displacements have M-norm one, shape (k or
+    2 k, n); ``operator`` is T. ``scale`` (1/s) divides velocities in states of a damped pencil.
     """
 
+    terms: Sequence[Term]
     values: Complexes
     right: Complexes
     left: Complexes
@@ -97,26 +92,14 @@ class Pairs:
     shift: float
     scale: float
 
-
-@dataclass(frozen=True)
-class Polynomial:
-    """P(z) on a basis, contact forces among its unknowns, with data for error bounds."""
-
-    terms: tuple[Term, ...]
-
-    @property
-    def damped(self) -> bool:
-        """Whether z is lambda rather than kappa."""
-        return any(each.power == 2 for each in self.terms)
-
-    def bounds(self, pairs: Pairs, outside: Floats) -> dict[str, Any]:
+    def bounds(self, window: Window, outside: Floats) -> dict[str, Any]:
         """Return the error bounds of eigenpairs; ``outside`` is the factor g of each, shape (n,).
 
         Keys are names of fields of :class:`cea.reduced.spectrum.ReducedSpectrum`.
         """
-        values, overlaps = pairs.values, self._overlaps(pairs)
+        values, overlaps = self.values, self._overlaps()
         slopes = 1 / np.maximum(np.abs(overlaps), _TINY)
-        residuals, rounding = self._defects(pairs.right, pairs.left, values)
+        residuals, rounding = self._defects(self.right, self.left, values)
         reduction = slopes * outside * residuals
         errors = reduction + slopes * rounding
         means, clusters = errors.copy(), np.arange(len(values))
@@ -124,24 +107,23 @@ class Polynomial:
         for number, members in enumerate(connected(near)):
             clusters[members] = number
             if len(members) > 1:
-                residual, doubt, spread = self._together(pairs, members)
+                residual, doubt, spread = self._together(members)
                 own = float(outside[members].max()) * residual
                 e, p = own + doubt, len(members)
                 reduction[members], means[members] = own, e
                 errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
-                if self.damped and (values[members].imag < 0).any():  # conjugates are not listed
+                if window.damped and (values[members].imag < 0).any():  # conjugates are not listed
                     means[members] = reduction[members] = errors[members]
         bounds = {"errors": errors, "means": means, "reduction": reduction}
         return bounds | {"clusters": clusters, "overlaps": overlaps}
 
-    def _overlaps(self, pairs: Pairs) -> Complexes:
+    def _overlaps(self) -> Complexes:
         """Return y^H P'(z) x."""
-        total = np.zeros(len(pairs.values), dtype=complex)
+        total = np.zeros(len(self.values), dtype=complex)
         for each in self.terms:
             if each.power:
-                projected = real_times(each.square, pairs.right)
-                speeds = each.factor * each.power * pairs.values ** (each.power - 1)
-                total += speeds * np.einsum("ij,ij->j", pairs.left.conj(), projected)
+                speeds = each.factor * each.power * self.values ** (each.power - 1)
+                total += speeds * np.einsum("ij,ij->j", self.left.conj(), each.square @ self.right)
         return total
 
     def _defects(self, x: Complexes, y: Complexes, z: Complexes) -> tuple[Any, Any]:
@@ -151,32 +133,32 @@ class Polynomial:
         """
         single = z.ndim == 1
         norm = partial(np.linalg.norm, axis=0) if single else partial(np.linalg.norm, ord=2)
-        size = np.abs(z) if single else norm(z)
+        block = np.diag(z) if single else z
+        size = norm(block)
         lost = sum(each.lost * size**each.power for each in self.terms)
         residuals: Any = 1.0
-        entries: Any = 0.0
-        for side, vectors, block in (("right", x, z), ("left", y, z.conj().T)):
+        for side, vectors, own in (("right", x, block), ("left", y, block.conj().T)):
             defect: Any = 0.0
             for each in self.terms:
-                image = each.factor * real_times(getattr(each, side), vectors)
-                power = block**each.power if single else np.linalg.matrix_power(block, each.power)
-                defect = defect + (image * power if single else image @ power)
+                image = each.factor * (getattr(each, side) @ vectors)
+                defect = defect + image @ np.linalg.matrix_power(own, each.power)
             residuals = residuals * (norm(defect) + lost * norm(vectors))
+        entries: Any = 0.0
         for each in self.terms:
             moved = size**each.power * (each.rounding @ np.abs(x))
-            entries = entries + ((np.abs(y) * moved).sum(axis=0) if single else np.abs(y).T @ moved)
-        return residuals, np.sqrt(len(y)) * (entries if single else norm(entries))
+            entries = entries + np.abs(y).T @ moved
+        return residuals, np.sqrt(len(y)) * (np.diag(entries) if single else norm(entries))
 
-    def _together(self, pairs: Pairs, members: Ints) -> tuple[float, float, float]:
+    def _together(self, members: Ints) -> tuple[float, float, float]:
         """Return residuals and rounding of the block of a cluster, and norm(B - mean)."""
-        q, q_sizes, q_axes = np.linalg.svd(pairs.states[:, members], full_matrices=False)
-        d, d_sizes, d_axes = np.linalg.svd(pairs.duals[:, members], full_matrices=False)
-        x = pairs.right[:, members] @ q_axes.conj().T / q_sizes
-        y = pairs.left[:, members] @ d_axes.conj().T / d_sizes
+        q, q_sizes, q_axes = np.linalg.svd(self.states[:, members], full_matrices=False)
+        d, d_sizes, d_axes = np.linalg.svd(self.duals[:, members], full_matrices=False)
+        x = self.right[:, members] @ q_axes.conj().T / q_sizes
+        y = self.left[:, members] @ d_axes.conj().T / d_sizes
         try:
-            turned = np.linalg.inv(d.conj().T @ q).conj().T / pairs.scale
-            inverse = pairs.scale * turned.conj().T @ d.conj().T @ (pairs.operator @ q)
-            block = np.linalg.inv(inverse) + pairs.shift * np.eye(len(inverse))
+            turned = np.linalg.inv(d.conj().T @ q).conj().T / self.scale
+            inverse = self.scale * turned.conj().T @ d.conj().T @ (self.operator @ q)
+            block = np.linalg.inv(inverse) + self.shift * np.eye(len(inverse))
         except np.linalg.LinAlgError:
             return np.inf, np.inf, np.inf
         spread = np.linalg.norm(block - np.trace(block) / len(block) * np.eye(len(block)), 2)

@@ -6,7 +6,7 @@ solves, and its slope is that of the reduced model.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
@@ -65,25 +65,21 @@ def line_of_model(
     model: ReducedModel,
     point: Callable[[float], Mapping[str, float]],
     rates: Mapping[str, float],
-    level: float = 0.0,
     known: Mapping[float, ReducedSpectrum] = MappingProxyType({}),
 ) -> Line:
     """Return the line of spectra of a reduced model; those in ``known`` are reused.
 
     ``point`` returns the parameters that vary at a value of the line, which change at ``rates``.
-    Modes with growth rates above ``level`` (1/s) count as growing.
     """
-    small = model.small
 
     def at(value: float) -> Sample:
-        values = model.pencil.values(point(value))
-        found = known.get(value) or small.at(values)
-        slopes = small.slopes(found, values, rates)
-        shapes, bounds = found.right[~small.forces], (found.errors, found.means, found.clusters)
+        found = known.get(value) or model.at(point(value))
+        slopes = model.slopes(found, point(value), rates)
+        shapes, bounds = found.right[~model.forces], (found.errors, found.means, found.clusters)
         vectors = shapes / np.linalg.norm(shapes, axis=0)
         return Sample(value, found.z, slopes, *bounds, vectors)
 
-    return Line(replace(small.window, level=level), at)
+    return Line(model.window, at)
 
 
 def first_threshold(

@@ -59,7 +59,7 @@ class Enrichment:
 
     def at(self, point: Point) -> ReducedSpectrum:
         """Return the spectrum of the reduced model at a point."""
-        return self.model.small.at(self.model.pencil.values(point))
+        return self.model.at(point)
 
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> None:
         """Solve where bounds are largest until all are small or ``most`` solves are made.
@@ -84,7 +84,7 @@ class Enrichment:
     def solve(self, point: Point) -> float | None:
         """Solve the full pencil at a point, test the model and extend it; return the test."""
         self.begin(point)
-        window = self.model.small.window
+        window = self.model.window
         least = -window.reach if window.damped else None
         try:
             top = MARGIN * (window.end / (2 * np.pi))
@@ -111,7 +111,7 @@ class Enrichment:
             ratio = largest_ratio(self.at(point), modes)
             tested = self.model.norms.states.comm.bcast(ratio)
             if 1 < tested < np.inf:
-                self.model.raise_safety(2 * tested * self.model.small.safety)
+                self.model.safety *= 2 * tested
         self.model.take(modes)
         self.solves.append({"tested": tested, **about})
         return tested

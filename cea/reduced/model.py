@@ -29,7 +29,7 @@ from cea.eigen.pencil import Pencil
 from cea.reduced.basis import InnerProduct, Norms, Span
 from cea.reduced.certificate import Term
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
-from cea.reduced.spectrum import SmallPencil
+from cea.reduced.spectrum import ReducedSpectrum, spectrum_of
 from cea.reduced.window import DECAY, Window
 
 BASIS = 1e-6
@@ -39,6 +39,8 @@ RESIDUAL = 1e-14
 """Relative norm of an image of the basis below which the basis of residuals drops it."""
 FORCES = 1e-8
 """Relative norm of contact forces below which the basis drops them; errors go with its square."""
+_SAFETY = 2.0
+"""Initial safety factor on the inverse of the pencil outside the basis."""
 
 
 def _real_vectors(modes: Modes, norm: InnerProduct, *, damped: bool) -> Floats:
@@ -89,13 +91,19 @@ class ReducedModel:
     min_growth
         With damping or rotation, lower end of the growth rates of the window (1/s), negative; None
         takes minus a tenth of 2 pi max_frequency.
+    level
+        Growth rate (1/s) above which modes count as growing.
 
     Attributes
     ----------
     pencil
         The full pencil.
-    small
-        The reduced pencil.
+    window
+        The window of modes.
+    forces
+        Which vectors of the basis are contact forces, shape (size,).
+    safety
+        Safety factor of all bounds, on the inverse of the pencil outside the basis.
     """
 
     def __init__(
@@ -104,6 +112,7 @@ class ReducedModel:
         box: Mapping[str, tuple[float, float]],
         max_frequency: float,
         min_growth: float | None = None,
+        level: float = 0.0,
     ) -> None:
         self.pencil = pencil
         self._pieces = Pieces(pencil, box)
@@ -112,37 +121,64 @@ class ReducedModel:
         values = pencil.values(softest)
         end = 2 * np.pi * max_frequency
         self.norms = Norms(pencil, self._pieces, values, end)
-        both = zip(self._pieces.contacts, pencil.forces, strict=True)
         self._stiff = [
-            contact
-            for contact, each in both
-            if each.inverse_stiffness.at(values) * each.body_stiffness[0] < 1
+            each
+            for each in self._pieces.contacts
+            if each.of.inverse_stiffness.at(values) * each.of.body_stiffness[0] < 1
         ]
         self._basis, self._residuals = Span(self.norms.states), Span(self.norms.residuals)
-        self._forces = np.empty(0, dtype=bool)  # which vectors of the basis are forces
+        self.forces = np.empty(0, dtype=bool)
         self._widest: dict[ContactPiece, float] = {}
         damped = any(piece.role == "damping" for piece in self._pieces.all)
         decay = DECAY * end if min_growth is None else -min_growth
-        window = Window(end, damped, decay=decay if damped else np.inf)
+        self.window = Window(end, damped, level, decay if damped else np.inf)
+        self.safety = _SAFETY
         of_mass = (1.0, 2) if damped else (-1.0, 1)
         powers = {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": of_mass}
         nothing = np.empty((0, 0))
-        pieces = [
-            (e.coefficient, Term(*powers[e.role], nothing, nothing, nothing, 0.0, nothing))
-            for e in self._pieces.all
+        self._terms = [
+            Term(*powers[piece.role], nothing, nothing, nothing, 0.0, nothing)
+            for piece in self._pieces.all
         ]
-        self.small = SmallPencil(tuple(pieces), self._forces, window, self.norms.shift)
 
     @property
     def size(self) -> int:
         """Number of vectors of the basis."""
         return self._basis.size
 
+    def at(self, point: Mapping[str, float]) -> ReducedSpectrum:
+        """Return the eigenvalues of the window and its margin where some parameters have values."""
+        values = self.pencil.values(point)
+        both = zip(self._pieces.all, self._terms, strict=True)
+        parts = [(piece.coefficient.at(values), term) for piece, term in both]
+        powers = sorted({term.power for term in self._terms})
+        terms = [Term.summed([each for each in parts if each[1].power == p]) for p in powers]
+        return spectrum_of(terms, self.forces, self.window, self.norms.shift, self.safety)
+
+    def slopes(
+        self, found: ReducedSpectrum, point: Mapping[str, float], rates: Mapping[str, float]
+    ) -> Complexes:
+        """Return derivatives of z at a point where parameters change at given rates.
+
+        They are - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
+        """
+        values = self.pencil.values(point)
+        change: Complexes = np.zeros(len(found), dtype=complex)
+        for piece, term in zip(self._pieces.all, self._terms, strict=True):
+            slope = sum(c * piece.coefficient.derivative(name, values) for name, c in rates.items())
+            if slope:
+                image = term.square @ found.right
+                projected = np.einsum("ij,ij->j", found.left.conj(), image)
+                change -= slope * term.factor * found.z**term.power * projected
+        with np.errstate(divide="ignore", invalid="ignore"):
+            moved: Complexes = change / found.overlaps
+        return moved
+
     def take(self, modes: Modes) -> None:
         """Extend the basis by the right and left vectors and contact forces of a full solve."""
         norm, before = self.norms.states, self._basis.size
         forces = _real_forces(modes, norm)
-        blocks = [_real_vectors(modes, norm, damped=self.small.window.damped)]
+        blocks = [_real_vectors(modes, norm, damped=self.window.damped)]
         for contact in self._pieces.contacts:
             own = np.zeros_like(forces)
             own[contact.rows] = forces[contact.rows]
@@ -162,17 +198,13 @@ class ReducedModel:
             self._add_displacements(blocks)
         self._project(before)
 
-    def raise_safety(self, safety: float) -> None:
-        """Set the safety factor of all bounds, on the inverse of the pencil outside the basis."""
-        self.small = replace(self.small, safety=safety)
-
     def _add_forces(
         self, contact: ContactPiece, forces: Floats, image: Floats, floor: float
     ) -> Floats:
         """Extend the basis by contact forces; return the unit displacements of stiff contacts."""
         before = self._basis.size
         self._basis.add(forces, image, floor)
-        self._forces = np.pad(self._forces, (0, self._basis.size - before), constant_values=True)
+        self.forces = np.pad(self.forces, (0, self._basis.size - before), constant_values=True)
         new = self._basis.vectors[:, before:] if contact in self._stiff else forces[:, :0]
         image = contact.closes.times(new)
         moved = self.norms.solve(image)
@@ -182,20 +214,19 @@ class ReducedModel:
         """Extend the basis by displacements; return the index of the first new vector."""
         before, block = self._basis.size, np.hstack(blocks)
         self._basis.add(block, self.norms.states.image(block), BASIS)
-        self._forces = np.pad(self._forces, (0, self._basis.size - before))
+        self.forces = np.pad(self.forces, (0, self._basis.size - before))
         return before
 
     def _project(self, before: int) -> None:
         """Project all terms on the new vectors of the basis."""
-        both = zip(self._pieces.all, self.small.pieces, strict=True)
-        grown = [(c, self._grown(piece, term, before)) for piece, (c, term) in both]
+        both = zip(self._pieces.all, self._terms, strict=True)
+        grown = [self._grown(piece, term, before) for piece, term in both]
         rows = self._residuals.size  # later terms add rows to those of earlier ones
 
         def padded(block: Floats) -> Floats:
             return np.pad(block, ((0, rows - len(block)), (0, 0)))
 
-        pieces = [(c, replace(e, right=padded(e.right), left=padded(e.left))) for c, e in grown]
-        self.small = replace(self.small, pieces=tuple(pieces), forces=self._forces)
+        self._terms = [replace(e, right=padded(e.right), left=padded(e.left)) for e in grown]
 
     def _grown(self, piece: Piece, term: Term, before: int) -> Term:
         vectors, norm, eps = self._basis.vectors, self.norms.states, np.finfo(float).eps
@@ -228,7 +259,7 @@ class ReducedModel:
         norm, caused, size = self.norms.residuals, self.norms.caused(image), before.shape[1]
         floor = RESIDUAL * float(norm.lengths(caused, image).max(initial=0.0))
         grown, lost = np.pad(before, ((0, 0), (0, image.shape[1]))), 0.0
-        for own in (~self._forces[size:], self._forces[size:]):
+        for own in (~self.forces[size:], self.forces[size:]):
             fresh, left_out = self._residuals.add(caused[:, own], image[:, own], floor)
             grown = np.pad(grown, ((0, len(fresh) - len(grown)), (0, 0)))
             grown[:, size:][:, own] = fresh
@@ -236,8 +267,7 @@ class ReducedModel:
         return grown, lost
 
     def free(self) -> None:
-        """Free the factors and the matrices of the terms."""
-        self.norms.free()
+        """Free factors and matrices; eigenvalues can still be computed."""
         self._pieces.free()
 
 

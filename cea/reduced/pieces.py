@@ -49,6 +49,7 @@ class Piece:
 class ContactPiece:
     """A contact: rows of its forces in a state, products with C^ and its inverse, and J."""
 
+    of: ForcesOfContact
     rows: slice
     compliance: Product
     inverse: Product
@@ -91,9 +92,9 @@ class Pieces:
         return acts
 
     def free(self) -> None:
-        """Free the matrices and factors made from the terms of the pencil."""
+        """Free all matrices and factors that were made from the terms of the pencil."""
         for each in self._made:
-            each.free() if isinstance(each, Mumps) else destroy(each)
+            each.free() if hasattr(each, "free") else destroy(each)
         self._made.clear()
 
     def _piece(self, role: Role, of: Dependence, product: Product, turned: Product) -> Piece:
@@ -113,11 +114,11 @@ class Pieces:
                 key = term.role, term.symmetric, repr(of)
                 groups.setdefault(key, (of, []))[1].append((weight, term.matrix))
         for (role, symmetric, _), (of, parts) in groups.items():
-            matrix = self._kept(scaled_total(parts))
+            matrix = self.kept(scaled_total(parts))
             product = partial(times, matrix)
             turned = product
             if not symmetric:
-                turned = partial(times, self._kept(matrix.transpose(PETSc.Mat())))
+                turned = partial(times, self.kept(matrix.transpose(PETSc.Mat())))
             yield self._piece(role, of, product, turned)
 
     def _of_contact(self, forces: ForcesOfContact, rows: slice) -> ContactPiece:
@@ -141,11 +142,12 @@ class Pieces:
         compliance = self.acting(partial(times, forces.compliance), rows, rows)
         softness = _negative(forces.inverse_stiffness)
         self.all.append(Piece("stiffness", softness, compliance, compliance))
-        factors = self._kept(Mumps(forces.compliance.copy(), symmetric=True))
+        factors = self.kept(Mumps(forces.compliance.copy(), symmetric=True))
         inverse = self.acting(factors.solve_block, rows, rows)
-        return ContactPiece(rows, compliance, inverse, closes)
+        return ContactPiece(forces, rows, compliance, inverse, closes)
 
-    def _kept[T](self, made: T) -> T:
+    def kept[T](self, made: T) -> T:
+        """Return a matrix, or factors, that :meth:`free` frees."""
         self._made.append(made)
         return made
 

@@ -1,11 +1,11 @@
-"""Reduced pencil in small dense matrices, and its eigenvalues in a window with a margin.
+"""Eigenvalues of a reduced pencil in a window with a margin, by small dense matrices.
 
 Without damping eigenvalues 1 / (kappa + s) of the inverse of the shifted stiffness are computed;
 with damping those of the companion form, inverted about a positive real shift. Eigenvalues in the
 margin are needed for the error bounds of clusters at the end of the window.
 """
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -15,18 +15,14 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
-from cea.eigen.coefficients import Dependence
 from cea.eigen.spectrum import SLOW
-from cea.reduced.certificate import Pairs, Polynomial, Term, real_times
-from cea.reduced.pieces import Values
+from cea.reduced.certificate import Pairs, Term
 from cea.reduced.window import MARGIN, Window
 
 _BELOW = 0.05
 """Margin of damped windows below the real axis, relative to the end of the window."""
 _INFINITE = 1e4
 """abs(lambda) relative to the end of the window from which on it is infinite (tied contact)."""
-_SAFETY = 2.0
-"""Initial safety factor on the inverse of the pencil outside the basis."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +80,7 @@ class ReducedSpectrum:
     @property
     def mean_errors(self) -> Floats:
         """Error bounds of the mean of each cluster in lambda, relative to ``speeds``, (n,)."""
-        return self.means * self._relative
+        return self._relative(self.means)
 
     @property
     def conditions(self) -> Floats:
@@ -97,20 +93,16 @@ class ReducedSpectrum:
     @property
     def worst(self) -> float:
         """Largest bound as in ``bound``, without rounding, which a larger basis cannot reduce."""
-        return self._largest(self.reduction)
+        return float(self._relative(self.reduction)[self.inside].max(initial=0.0))
 
     @property
     def bound(self) -> float:
         """Largest relative error bound of the mean of a cluster in the window, in lambda."""
-        return self._largest(self.means)
+        return float(self.mean_errors[self.inside].max(initial=0.0))
 
-    @property
-    def _relative(self) -> Floats:
-        """Factors that convert errors of z to relative errors of lambda."""
-        return 1 / self.speeds if self.looked_at.damped else 1 / (2 * self.speeds**2)
-
-    def _largest(self, errors: Floats) -> float:
-        return float((errors * self._relative)[self.inside].max(initial=0.0))
+    def _relative(self, errors: Floats) -> Floats:
+        """Return relative errors of lambda from errors of z."""
+        return errors / (self.speeds if self.looked_at.damped else 2 * self.speeds**2)
 
     def words(self, threshold: float | None) -> list[Word]:
         """Classify each mode by its error bound, with a threshold of growth rates (1/s)."""
@@ -123,16 +115,16 @@ class ReducedSpectrum:
 
 
 def _pairs(
-    pencil: Polynomial, forces: NDArray[np.bool_], window: Window, energy_shift: float
+    terms: Sequence[Term], forces: NDArray[np.bool_], window: Window, energy_shift: float
 ) -> Pairs:
     """Return eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
-    end, damped = window.end, pencil.damped
+    end, damped = window.end, window.damped
     shift = np.sqrt(energy_shift) if damped else -energy_shift
     scale = end if damped else 1.0
     own = ~forces
-    squares = {each.power: each.square[np.ix_(own, own)] for each in pencil.terms}
+    squares = {each.power: each.square[np.ix_(own, own)] for each in terms}
     root = np.linalg.cholesky(squares[max(squares)])
-    shifted = np.sum([e.factor * shift**e.power * e.square for e in pencil.terms], axis=0)
+    shifted = np.sum([e.factor * shift**e.power * e.square for e in terms], axis=0)
     factors, k = lu_factor(shifted), len(root)
 
     def balanced(loads: Any, *, left: bool = False) -> NDArray[Any]:
@@ -167,72 +159,46 @@ def _pairs(
     for left, side, z in ((False, states[:k], values), (True, duals[-k:], values.conj())):
         motion = solve_triangular(root, side, lower=True, trans="T")
         # The contact forces are those under the loads (P(shift) - P(z)) x.
-        moved = [(e.power, e.factor * squares[e.power]) for e in pencil.terms if e.power]
+        moved = [(e.power, e.factor * squares[e.power]) for e in terms if e.power]
         loads = sum((A.T if left else A) @ motion * (shift**p - z**p) for p, A in moved)
         vectors.append(balanced(loads, left=left))
         vectors[-1][own] = motion
-    return Pairs(values, vectors[0], vectors[1], states, duals, operator, shift, scale)
+    return Pairs(terms, values, vectors[0], vectors[1], states, duals, operator, shift, scale)
 
 
-@dataclass(frozen=True)
-class SmallPencil:
-    """All terms of a pencil on a basis with their coefficients.
+def spectrum_of(
+    terms: Sequence[Term],
+    forces: NDArray[np.bool_],
+    window: Window,
+    energy_shift: float,
+    safety: float,
+) -> ReducedSpectrum:
+    """Return the eigenvalues of P(z) on a basis in the window and its margin, with error bounds.
 
-    ``forces`` marks basis vectors of contact forces; ``shift`` is s (1/s^2) of the energy norm;
-    ``safety`` is a factor on the inverse of the pencil outside the basis.
+    ``forces`` marks basis vectors of contact forces; ``energy_shift`` is s (1/s^2) of the energy
+    norm; ``safety`` is a factor on the inverse of the pencil outside the basis.
     """
+    pairs = _pairs(terms, forces, window, energy_shift)
+    bounds = pairs.bounds(window, safety * _outside(pairs.values, window, energy_shift))
+    z, right, left = pairs.values, pairs.right, pairs.left
+    found = ReducedSpectrum(**bounds, z=z, right=right, left=left, looked_at=window)
+    return found[np.flatnonzero(z.imag >= 0)] if window.damped else found
 
-    pieces: tuple[tuple[Dependence, Term], ...]
-    forces: NDArray[np.bool_]
-    window: Window
-    shift: float
-    safety: float = _SAFETY
 
-    def at(self, values: Values) -> ReducedSpectrum:
-        """Return the eigenvalues of the window and its margin at given values of all parameters."""
-        parts = [(coefficient.at(values), term) for coefficient, term in self.pieces]
-        powers = sorted({term.power for _, term in parts})
-        terms = [Term.summed([each for each in parts if each[1].power == p]) for p in powers]
-        pencil = Polynomial(tuple(terms))
-        pairs = _pairs(pencil, self.forces, self.window, self.shift)
-        bounds = pencil.bounds(pairs, self._outside(pairs.values))
-        z, right, left = pairs.values, pairs.right, pairs.left
-        found = ReducedSpectrum(**bounds, z=z, right=right, left=left, looked_at=self.window)
-        return found[np.flatnonzero(z.imag >= 0)] if pencil.damped else found
+def _outside(z: Complexes, window: Window, energy_shift: float) -> Floats:
+    """Return the factor g for the inverse of the pencil outside the basis, shape (n,).
 
-    def slopes(
-        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
-    ) -> Complexes:
-        """Return derivatives of z where parameters change at given rates.
-
-        They are - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
-        """
-        change: Complexes = np.zeros(len(found), dtype=complex)
-        for coefficient, term in self.pieces:
-            slope = sum(rate * coefficient.derivative(name, values) for name, rate in rates.items())
-            if slope:
-                image = real_times(term.square, found.right)
-                projected = np.einsum("ij,ij->j", found.left.conj(), image)
-                change -= slope * term.factor * found.z**term.power * projected
-        with np.errstate(divide="ignore", invalid="ignore"):
-            moved: Complexes = change / found.overlaps
-        return moved
-
-    def _outside(self, z: Complexes) -> Floats:
-        """Return the factor g for the inverse of the pencil outside the basis, shape (n,).
-
-        Assuming that no eigenvalue outside the basis lies below the end kappa_m of the margin,
-        g = safety (kappa_m + s) / (kappa_m - Re kappa). Friction increases that inverse by an
-        amount not known in advance, so full solves test g. Modes that decay faster than those of
-        the basis are outside too: where one has the frequency of an eigenvalue, P on it is about
-        2 |lambda| times their distance.
-        """
-        window = self.window
-        kappa = -(z**2) if window.damped else z
-        top = (MARGIN * window.end) ** 2
-        of_margin = self.safety * (top + self.shift) / (top - np.minimum(kappa.real, window.end**2))
-        if not window.damped:
-            return of_margin
-        speeds, room = np.abs(z), window.reach + np.maximum(z.real, -window.decay)
-        decaying = (speeds**2 + self.shift) / np.maximum(2 * speeds, SLOW * window.end) / room
-        return np.maximum(of_margin, self.safety * decaying)
+    Assuming that no eigenvalue outside the basis lies below the end kappa_m of the margin,
+    g = safety (kappa_m + s) / (kappa_m - Re kappa). Friction increases that inverse by an amount
+    not known in advance, so full solves test g. Modes that decay faster than those of the basis are
+    outside too: where one has the frequency of an eigenvalue, P on it is about 2 |lambda| times
+    their distance.
+    """
+    kappa = -(z**2) if window.damped else z
+    top = (MARGIN * window.end) ** 2
+    of_margin = (top + energy_shift) / (top - np.minimum(kappa.real, window.end**2))
+    if not window.damped:
+        return of_margin
+    speeds, room = np.abs(z), window.reach + np.maximum(z.real, -window.decay)
+    decaying = (speeds**2 + energy_shift) / np.maximum(2 * speeds, SLOW * window.end) / room
+    return np.maximum(of_margin, decaying)

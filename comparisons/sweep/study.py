@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -155,9 +155,8 @@ class _OnBasis:
         low, high = (scene.point(each) for each in zip(*scene.points.ends, strict=True))
         box = {name: (low[name], high[name]) for name in low}
         top, low_growth = scene.window.max_frequency, scene.window.min_growth
-        model = ReducedModel(scene.pencil, box, top, low_growth)
         level = scene.window.growth_threshold or 0.0
-        self._window = replace(model.small.window, level=level)
+        model = ReducedModel(scene.pencil, box, top, low_growth, level)
         settings = asked.tolerance, asked.most, scene.warnings
         self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep_solve)
         for solve in store.solves():
@@ -207,14 +206,13 @@ class _OnBasis:
             done |= self._made([i for i in range(len(parts)) if i not in done])
             rows = [row for i in range(len(parts)) for row in done[i][1]]
             worst = np.array([row["worst"] for row in rows])
-            small = model.small
+            solves, safety = len(self.basis.solves), model.safety
             self.basis.cover([self._point(i) for i in numbers[worst > tolerance].tolist()])
-            if model.small is small:
+            if len(self.basis.solves) == solves:
                 lines = [line for i in range(len(parts)) if (line := done[i][0])]
                 return [rows[i] for i in np.argsort(numbers).tolist()], lines
-            same = model.small.safety == small.safety
             sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
-            done = {i: done[i] for i in sure if same}
+            done = {i: done[i] for i in sure if model.safety == safety}
 
     def _train(self) -> None:
         """Enrich the basis until bounds are small at the training points, and full solves agree.
@@ -242,13 +240,13 @@ class _OnBasis:
 
     def _made(self, missing: list[int]) -> dict[int, _Part]:
         """Compute missing parts, distributed over the ranks; stored ones are read."""
-        comm, small = MPI.COMM_WORLD, self.basis.model.small
-        basis = f"{len(self.basis.solves)}-solves-{small.safety:g}"
+        comm, model = MPI.COMM_WORLD, self.basis.model
+        basis = f"{len(self.basis.solves)}-solves-{model.safety:g}"
         values, parts = self._scene.points.values, self._scene.points.parts
         middle = None
         if not self._asked.grid:
             nearest = np.abs(values - np.median(values, axis=0)) / np.ptp(values, axis=0)
-            middle = small.at(self._values(int(nearest.max(axis=1).argmin())))
+            middle = model.at(self._point(int(nearest.max(axis=1).argmin())))
 
         def part(i: int) -> _Part:
             self._progress(f"{i + 1} of {len(parts)} lines or groups of samples")
@@ -261,13 +259,14 @@ class _OnBasis:
 
     def _part(self, numbers: Ints, middle: ReducedSpectrum | None) -> _Part:
         """Return the thresholds of a part, and the rows of its points."""
-        scene, small = self._scene, self.basis.model.small
+        scene, model = self._scene, self.basis.model
         spectra, rows = list[ReducedSpectrum](), []
-        for values in (self._values(int(number)) for number in numbers):
-            found = small.at(values)
-            window, own = small.window, found.window
+        for point in map(self._point, numbers):
+            found = model.at(point)
+            own = found.window
             moved = [
-                window.root_slopes(own.z, small.slopes(own, values, names)) for names in scene.names
+                model.window.root_slopes(own.z, model.slopes(own, point, names))
+                for names in scene.names
             ]
             alike = np.full(len(found), -1) if middle is None else continued(middle, found)
             slopes = np.stack(moved, axis=1)
@@ -277,10 +276,10 @@ class _OnBasis:
 
     def _line(self, numbers: Ints, spectra: list[ReducedSpectrum]) -> FoundAlong:
         """Return the thresholds along a line, with the values of the other fields."""
-        points, rates, level = self._scene.points, self._scene.names[0], self._window.level
+        points, rates = self._scene.points, self._scene.names[0]
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
         known = dict(zip(values, spectra, strict=True))
-        line = line_of_model(self.basis.model, self._along(others), rates, level, known)
+        line = line_of_model(self.basis.model, self._along(others), rates, known)
         found = thresholds_along(line, values, logarithmic=points.logarithmic)
         return dict(zip(points.names[1:], others, strict=True)), found
 
@@ -290,15 +289,12 @@ class _OnBasis:
 
     def _difference(self, others: Mapping[str, float], found: Threshold) -> float | None:
         """Return the change of a threshold by full solves; None where it cannot be confirmed."""
-        told = confirm(self._scene.driver, self._along(others.values()), found, self._window)
+        model = self.basis.model
+        told = confirm(self._scene.driver, self._along(others.values()), found, model.window)
         return None if told is None else told[0] - found.value
 
     def _point(self, number: int) -> dict[str, float]:
         return self._scene.point(self._scene.points.values[number].tolist())
-
-    def _values(self, number: int) -> dict[str, float]:
-        """Return the values of all parameters at a point."""
-        return self._scene.pencil.values(self._point(number))
 
 
 def _run_in_full(
