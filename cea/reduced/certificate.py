@@ -38,7 +38,6 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import connected
-from cea.reduced.window import Window
 
 _TOUCH = 10.0
 """Distance of two eigenvalues, in multiples of the smaller error bound, up to which they are
@@ -92,7 +91,7 @@ class Pairs:
     shift: float
     scale: float
 
-    def bounds(self, window: Window, outside: Floats) -> dict[str, Any]:
+    def bounds(self, outside: Floats, *, damped: bool) -> dict[str, Any]:
         """Return the error bounds of eigenpairs; ``outside`` is the factor g of each, shape (n,).
 
         Keys are names of fields of :class:`cea.reduced.spectrum.ReducedSpectrum`.
@@ -112,7 +111,7 @@ class Pairs:
                 e, p = own + doubt, len(members)
                 reduction[members], means[members] = own, e
                 errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
-                if window.damped and (values[members].imag < 0).any():  # conjugates are not listed
+                if damped and (values[members].imag < 0).any():  # conjugates are not listed
                     means[members] = reduction[members] = errors[members]
         bounds = {"errors": errors, "means": means, "reduction": reduction}
         return bounds | {"clusters": clusters, "overlaps": overlaps}

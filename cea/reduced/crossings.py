@@ -17,7 +17,7 @@ from cea.arrays import Complexes, Floats
 from cea.eigen.matching import assign
 from cea.eigen.spectrum import SLOW
 from cea.reduced.following import Sample, Unit, UnresolvedError, error_of_half, grid_of
-from cea.reduced.window import Window
+from cea.reduced.spectrum import Window
 
 _NEGLIGIBLE = 1e-6
 """Relative error of lambda up to which an undecided sign is accepted."""

@@ -20,7 +20,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign
-from cea.reduced.window import Window
+from cea.reduced.spectrum import Window
 
 GRID = 17
 """Points in each half of an interval at which the sign of an interpolant is evaluated."""

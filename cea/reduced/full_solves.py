@@ -13,14 +13,13 @@ import numpy as np
 
 from cea.arrays import Complexes
 from cea.eigen.driver import EigenSolver
-from cea.errors import ConvergenceError, InputError, ResultWarning
+from cea.errors import ConvergenceError, InputError, ResultWarning, require
 from cea.reduced.crossings import Quantity, Threshold, growing_root, passing
 from cea.reduced.following import Sample
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
-from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.spectrum import ReducedSpectrum, Window
 from cea.reduced.thresholds import Line, thresholds_along
-from cea.reduced.window import Window
 
 _ASIDE = 1e-3
 """Relative distance of the shift from a pair, at which the pencil is singular."""
@@ -100,10 +99,8 @@ def first_threshold(
     is unresolved.
     """
     names = [parameter] if isinstance(parameter, str) else list(parameter)
-    if not names:
-        raise InputError("parameter", parameter, "one or more names")
-    if real == flutter:
-        raise InputError("flutter", flutter, "another value than real")
+    require(bool(names), "parameter", parameter, "one or more names")
+    require(real != flutter, "flutter", flutter, "another value than real")
 
     def point(value: float) -> Mapping[str, float]:
         return dict.fromkeys(names, value)

@@ -16,8 +16,7 @@ from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
 from cea.errors import ConvergenceError, ResultWarning
 from cea.reduced.model import ReducedModel
-from cea.reduced.spectrum import ReducedSpectrum
-from cea.reduced.window import MARGIN
+from cea.reduced.spectrum import MARGIN, ReducedSpectrum
 
 Point = Mapping[str, float]
 """Values of the parameters that vary."""

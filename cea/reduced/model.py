@@ -29,8 +29,7 @@ from cea.eigen.pencil import Pencil
 from cea.reduced.basis import InnerProduct, Norms, Span
 from cea.reduced.certificate import Term
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
-from cea.reduced.spectrum import ReducedSpectrum, spectrum_of
-from cea.reduced.window import DECAY, Window
+from cea.reduced.spectrum import DECAY, ReducedSpectrum, Window, spectrum_of
 
 BASIS = 1e-6
 """Norm of the part of an eigenvector outside the basis, relative to its energy norm, below which it

@@ -15,14 +15,72 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
+from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Pairs, Term
-from cea.reduced.window import MARGIN, Window
 
+MARGIN = 1.15
+"""Largest frequency of modes in the basis relative to the end of the window."""
+_FURTHER = 0.05
+"""Margin of the decay rate of modes in the basis beyond that of the window, relative to its end."""
+DECAY = 0.1
+"""Default decay rate of a damped window relative to its end."""
 _BELOW = 0.05
 """Margin of damped windows below the real axis, relative to the end of the window."""
 _INFINITE = 1e4
 """abs(lambda) relative to the end of the window from which on it is infinite (tied contact)."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """A window of frequencies up to ``end`` (rad/s) and decay rates up to ``decay`` (1/s).
+
+    Eigenvalues z are lambda if ``damped``, else kappa = -lambda^2. Modes count as growing if their
+    growth rate is above ``level`` (1/s).
+    """
+
+    end: float
+    damped: bool
+    level: float = 0.0
+    decay: float = np.inf
+
+    @property
+    def reach(self) -> float:
+        """Largest decay rate (1/s) of eigenvectors of damped pencils in a basis."""
+        return self.decay + _FURTHER * self.end
+
+    @property
+    def by_growth(self) -> bool:
+        """Whether modes grow by their growth rate above the level, instead of by coalescence."""
+        return self.damped or self.level != 0.0
+
+    def roots(self, z: Complexes) -> Complexes:
+        """Return lambda; of a kappa the root with Im lambda >= 0, or the positive real one."""
+        if self.damped:
+            return np.asarray(z, complex)
+        root = np.sqrt(-np.asarray(z, complex))
+        return np.where(root.imag < 0, -root, root) + 0j
+
+    def root_slopes(self, z: Complexes, slopes: Complexes) -> Complexes:
+        """Return derivatives of lambda from those of z; infinite or NaN at a coalescence."""
+        if self.damped:
+            return slopes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -slopes / (2 * self.roots(z))
+
+    def growth(self, z: Complexes) -> Floats:
+        """Return growth rates (1/s) minus the level; of a kappa that of its growing root."""
+        growth = self.roots(z).real
+        return (growth if self.damped else np.abs(growth)) - self.level
+
+    def doubts(self, z: Complexes, errors: Floats) -> Floats:
+        """Return errors of lambda (1/s) from errors of z."""
+        return errors if self.damped else uncertainties_of(self.roots(z), errors)
+
+    def far(self, z: Complexes, part: float = 1.0) -> NDArray[np.bool_]:
+        """Return which z lie beyond ``part`` of the end, or decay faster than the window allows."""
+        roots = self.roots(z)
+        return (np.abs(roots.imag) > part * self.end) | (roots.real < -self.decay)
 
 
 @dataclass(frozen=True)
@@ -179,7 +237,8 @@ def spectrum_of(
     norm; ``safety`` is a factor on the inverse of the pencil outside the basis.
     """
     pairs = _pairs(terms, forces, window, energy_shift)
-    bounds = pairs.bounds(window, safety * _outside(pairs.values, window, energy_shift))
+    outside = safety * _outside(pairs.values, window, energy_shift)
+    bounds = pairs.bounds(outside, damped=window.damped)
     z, right, left = pairs.values, pairs.right, pairs.left
     found = ReducedSpectrum(**bounds, z=z, right=right, left=left, looked_at=window)
     return found[np.flatnonzero(z.imag >= 0)] if window.damped else found

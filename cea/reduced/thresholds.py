@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from cea.reduced.crossings import NEAR, REAL, Crossings, Threshold
 from cea.reduced.following import Sample, UnresolvedError, units_of
-from cea.reduced.window import Window
+from cea.reduced.spectrum import Window
 
 RESOLUTION = 1e-7
 """Width of an interval relative to the axis below which it is not halved further."""

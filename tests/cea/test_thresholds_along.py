@@ -7,8 +7,8 @@ import pytest
 from scipy.linalg import eig, eigvals, qr
 
 from cea.reduced.following import Sample
+from cea.reduced.spectrum import MARGIN, Window
 from cea.reduced.thresholds import thresholds_along
-from cea.reduced.window import MARGIN, Window
 
 EPS = np.finfo(float).eps
 
