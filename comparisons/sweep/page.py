@@ -16,7 +16,6 @@ from comparisons.study.plots import AXIS, BLUE, GREY, VERMILION
 from comparisons.study.result import RESULT, Data, read_result
 from comparisons.study.run_warnings import kinds_at, named
 from comparisons.study.sections import Section, Table
-from comparisons.sweep.points import Points
 from comparisons.sweep.spectra import HINT, UNSTABLE, read_netcdf, write_netcdf
 from comparisons.sweep.study import COMMAND, Swept
 from scenes.results.record import write_record
@@ -47,14 +46,7 @@ def write_sweep(made: Swept, out: Path) -> Path:
 def read_sweep(out: Path) -> Swept:
     """Read a sweep from a folder; InputError when it holds none."""
     data = read_result(out, COMMAND)
-    grid, told = "axes" in data, data.get("axes") or data["fields"]
-    names = tuple(each["name"] for each in told)
-    values, spectra = read_netcdf(names, out / FILE, grid=grid)
-    if grid:
-        points = Points.of_axes(names, values, log=bool(data["inputs"]["fields"][0]["log"]))
-    else:
-        points = Points(names, np.stack(values, axis=1))
-    return Swept(data, points, spectra, None)
+    return Swept(data, *read_netcdf(out / FILE), None)
 
 
 def headline(data: Data) -> str:
@@ -223,8 +215,8 @@ def line_figure(made: Swept) -> Figure:
     panels[0, 0].set_ylabel("growth rate (1/s)")
     panels[1, 0].set_ylabel("frequency (Hz)")
     unstable = spectra.verdict == UNSTABLE
-    for name, drawn, (growth, frequency) in zip(
-        points.names, points.values.T, panels.T, strict=True
+    for name, scale, drawn, (growth, frequency) in zip(
+        points.names, _scales(data), points.values.T, panels.T, strict=True
     ):
         values = np.broadcast_to(drawn[:, None], spectra.growth.shape)
         for space, rates in ((growth, spectra.growth), (frequency, spectra.frequency)):
@@ -239,7 +231,7 @@ def line_figure(made: Swept) -> Figure:
         growth.axhline(0.0, color=AXIS, linewidth=0.8)
         frequency.axhline(end, color=AXIS, linewidth=0.8, linestyle="--")
         frequency.axhspan(end, HINT * end, color=GREY, alpha=0.2)
-        frequency.set(xlabel=name, xscale="log" if points.logarithmic else "linear")
+        frequency.set(xlabel=name, xscale=scale)
     return figure
 
 
@@ -270,8 +262,8 @@ def map_figure(made: Swept) -> Figure:
         of_kind = [each for each in here if (each["change"] > 0) == begins]
         at = [each["value"] for each in of_kind], [each[points.names[1]] for each in of_kind]
         space.plot(*at, look, color=VERMILION, ms=2.5)
-    scales = ["log" if field["log"] else "linear" for field in data["inputs"]["fields"]]
-    space.set(xlabel=points.names[0], ylabel=points.names[1], xscale=scales[0], yscale=scales[1])
+    xscale, yscale = _scales(data)[:2]
+    space.set(xlabel=points.names[0], ylabel=points.names[1], xscale=xscale, yscale=yscale)
     row, column = np.nonzero(plane(spectra.bound) > data["inputs"]["tolerance"])
     space.plot(x[column], y[row], "+", color=GREY, ms=4)
     above = np.isfinite(plane(spectra.above_growth))
@@ -282,3 +274,8 @@ def map_figure(made: Swept) -> Figure:
 
 
 map_figure.__name__ = "map"
+
+
+def _scales(data: Data) -> list[str]:
+    """Return the scales of plots over each field."""
+    return ["log" if field.get("log") else "linear" for field in data["inputs"]["fields"]]

@@ -107,21 +107,20 @@ def as_plain(field: Field) -> dict[str, Any]:
 class Points:
     """A table of points; ``values`` has the shape (points, fields).
 
-    ``axes`` are the values of the axes, the last varying fastest, empty for samples. The first axis
-    may be ``logarithmic``; ``cut`` is the fraction of each distribution that was cut off.
+    ``axes`` are the values of the axes, the last varying fastest, empty for samples. ``cut`` is the
+    fraction of each distribution that was cut off.
     """
 
     names: tuple[str, ...]
     values: Floats
     axes: tuple[Floats, ...] = ()
-    logarithmic: bool = False
     cut: tuple[float, ...] = ()
 
     @classmethod
-    def of_axes(cls, names: tuple[str, ...], axes: Sequence[Floats], *, log: bool) -> "Points":
+    def of_axes(cls, names: tuple[str, ...], axes: Sequence[Floats]) -> "Points":
         """Return all points of a grid."""
         grid = np.meshgrid(*axes, indexing="ij")
-        return cls(names, np.stack([each.ravel() for each in grid], axis=1), tuple(axes), log)
+        return cls(names, np.stack([each.ravel() for each in grid], axis=1), tuple(axes))
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -168,8 +167,7 @@ def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: 
     names = tuple(each.name for each in fields)
     axes = [each for each in fields if isinstance(each, Axis)]
     if axes:
-        own = [np.array(each.values) for each in axes]
-        return Points.of_axes(names, own, log=axes[0].log)
+        return Points.of_axes(names, [np.array(each.values) for each in axes])
     spread = [each for each in fields if isinstance(each, Distribution)]
     probabilities = np.random.default_rng(seed).random((len(fields), count))
     each_of = zip(spread, probabilities, least, strict=True)

@@ -154,17 +154,19 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
     xarray.Dataset(data, coordinates).to_netcdf(file, engine=ENGINE)
 
 
-def read_netcdf(names: Sequence[str], file: Path, *, grid: bool) -> tuple[list[Floats], Spectra]:
-    """Read the values of axes, or drawn values of fields, and the modes."""
+def read_netcdf(file: Path) -> tuple[Points, Spectra]:
+    """Read the points and their modes."""
     import xarray
 
     with xarray.open_dataset(file, engine=ENGINE) as opened:
+        names, lead = tuple(opened["field"].values.tolist()), len(opened["worst"].shape)
         values = [np.array(opened[name]) for name in names]
         known = [each.name for each in fields(Spectra) if each.name in opened]
         stored = {name: np.array(opened[name]) for name in known}
-    lead = len(names) if grid else 1
+        grid = "sample" not in opened.sizes
     flat: dict[str, Any] = {
         name: each.reshape(-1, *each.shape[lead:]) for name, each in stored.items()
     }
     flat.setdefault("number", np.full(flat["growth"].shape, -1, dtype=np.int64))
-    return values, Spectra(**flat)
+    points = Points.of_axes(names, values) if grid else Points(names, np.stack(values, axis=1))
+    return points, Spectra(**flat)

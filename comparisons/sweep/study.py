@@ -280,7 +280,9 @@ class _OnBasis:
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
         known = dict(zip(values, spectra, strict=True))
         line = line_of_model(self.basis.model, self._along(others), rates, known)
-        found = thresholds_along(line, values, logarithmic=points.logarithmic)
+        axis = self._asked.fields[0]
+        logarithmic = isinstance(axis, Axis) and axis.log
+        found = thresholds_along(line, values, logarithmic=logarithmic)
         return dict(zip(points.names[1:], others, strict=True)), found
 
     def _along(self, others: Iterable[float]) -> Callable[[float], dict[str, float]]:
