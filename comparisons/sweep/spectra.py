@@ -57,9 +57,7 @@ class Spectra:
     @property
     def largest(self) -> Floats:
         """Largest growth rate of an unstable mode at each point (1/s); NaN without any."""
-        growing = np.where(self.verdict == UNSTABLE, self.growth, -np.inf)
-        growth = growing.max(axis=1, initial=-np.inf)
-        return np.where(np.isfinite(growth), growth, np.nan)
+        return np.fmax.reduce(np.where(self.verdict == UNSTABLE, self.growth, np.nan), axis=1)
 
     @classmethod
     def of_rows(cls, rows: Sequence[Mapping[str, Any]]) -> "Spectra":
