@@ -126,9 +126,8 @@ def first_threshold(
         return abs(each.eigenvalue.imag - 2 * np.pi * frequency)
 
     first = min(begins, key=order, default=None)
-    before = found.unresolved
-    if first is not None:
-        before = [each for each in before if way * each.low < way * first.value]
+    end = np.inf if first is None else way * first.value
+    before = [each for each in found.unresolved if way * each.low < end]
     if before and (first is None or frequency is None):
         where = ", ".join(f"{each.low:.6g} to {each.high:.6g}" for each in before)
         raise ConvergenceError(f"unresolved intervals may contain thresholds: {where}")

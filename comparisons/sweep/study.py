@@ -151,7 +151,7 @@ class _OnBasis:
         self, asked: Asked, scene: SweptScene, store: Store, progress: Callable[[str], None]
     ) -> None:
         self._asked, self._scene, self._progress = asked, scene, progress
-        self._store = store
+        self._store, self._parts = store, scene.points.parts
         low, high = (scene.point(each) for each in zip(*scene.points.ends, strict=True))
         box = {name: (low[name], high[name]) for name in low}
         top, low_growth = scene.window.max_frequency, scene.window.min_growth
@@ -200,7 +200,7 @@ class _OnBasis:
         with an uncertified point are recomputed.
         """
         model, tolerance = self.basis.model, self._asked.tolerance
-        parts, done = self._scene.points.parts, dict[int, _Part]()
+        parts, done = self._parts, dict[int, _Part]()
         numbers = np.concatenate(parts)
         while True:
             done |= self._made([i for i in range(len(parts)) if i not in done])
@@ -224,7 +224,7 @@ class _OnBasis:
         generator = np.random.default_rng(asked.seed)
         while True:
             basis.cover(training, _AT_FIRST * asked.tolerance)
-            checked = generator.choice(np.concatenate(points.parts), size=asked.checks)
+            checked = generator.choice(np.concatenate(self._parts), size=asked.checks)
             spent = len(basis.solves) >= asked.most
             if spent or basis.stands([self._point(i) for i in checked]):
                 return
@@ -242,34 +242,28 @@ class _OnBasis:
         """Compute missing parts, distributed over the ranks; stored ones are read."""
         comm, model = MPI.COMM_WORLD, self.basis.model
         basis = f"{len(self.basis.solves)}-solves-{model.safety:g}"
-        values, parts = self._scene.points.values, self._scene.points.parts
-        middle = None
+        values, middle = self._scene.points.values, None
         if not self._asked.grid:
             nearest = np.abs(values - np.median(values, axis=0)) / np.ptp(values, axis=0)
             middle = model.at(self._point(int(nearest.max(axis=1).argmin())))
 
-        def part(i: int) -> _Part:
-            self._progress(f"{i + 1} of {len(parts)} lines or groups of samples")
-            return self._part(parts[i], middle)
-
         with agreed(comm):
             own = np.array_split(missing, comm.size)[comm.rank].tolist()
+            part = partial(self._part, middle)
             made = {i: self._store.once(f"{basis}-part-{i:05d}", partial(part, i)) for i in own}
         return {i: each for share in comm.allgather(made) for i, each in share.items()}
 
-    def _part(self, numbers: Ints, middle: ReducedSpectrum | None) -> _Part:
+    def _part(self, middle: ReducedSpectrum | None, number: int) -> _Part:
         """Return the thresholds of a part, and the rows of its points."""
-        scene, model = self._scene, self.basis.model
+        self._progress(f"{number + 1} of {len(self._parts)} lines or groups of samples")
+        scene, model, numbers = self._scene, self.basis.model, self._parts[number]
         spectra, rows = list[ReducedSpectrum](), []
         for point in map(self._point, numbers):
             found = model.at(point)
             own = found.window
-            moved = [
-                model.window.root_slopes(own.z, model.slopes(own, point, names))
-                for names in scene.names
-            ]
+            moved = np.array([model.slopes(own, point, names) for names in scene.names])
+            slopes = model.window.root_slopes(own.z, moved).T
             alike = np.full(len(found), -1) if middle is None else continued(middle, found)
-            slopes = np.stack(moved, axis=1)
             rows.append(row_of_model(found, slopes, alike, scene.window.growth_threshold))
             spectra.append(found)
         return self._line(numbers, spectra) if middle is None else None, rows
