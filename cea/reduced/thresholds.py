@@ -125,9 +125,10 @@ class _Search:
                     for part in pairwise(self._cuts(low, middle, high, why.at)):
                         push(part)
         self._found.thresholds.sort(key=lambda each: each.value)
-        if not self._adds_up():
-            self._found.unresolved.append(self._unresolved(self._values[0], self._values[-1]))
-        self._found.unresolved = _joined(self._found.unresolved)
+        if self._adds_up():
+            self._found.unresolved = _joined(self._found.unresolved)
+        else:
+            self._found.unresolved = [self._unresolved(self._values[0], self._values[-1])]
         self._found.spectra = len(self._known)
         return self._found
 
