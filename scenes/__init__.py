@@ -11,18 +11,18 @@ if TYPE_CHECKING:
     from cea.contact.formulations import register as register
     from scenes.checking.check import Inspection as Inspection
     from scenes.checking.check import inspect_scene as inspect_scene
+    from scenes.refinement import richer_scene as richer_scene
+    from scenes.results.record import open_result as open_result
     from scenes.results.record import save_result as save_result
     from scenes.results.result import Result as Result
-    from scenes.running.analysis import open_result as open_result
-    from scenes.running.analysis import run_scene as run_scene
     from scenes.running.assembled import AssembledScene as AssembledScene
     from scenes.running.assembled import assemble as assemble
     from scenes.running.matrices import AssembledMatrices as AssembledMatrices
     from scenes.running.matrices import run_matrices as run_matrices
-    from scenes.running.modes import run_modes as run_modes
     from scenes.running.nested import estimate_errors as estimate_errors
-    from scenes.running.nested import richer_scene as richer_scene
-    from scenes.running.static import run_static as run_static
+    from scenes.running.run import run_modes as run_modes
+    from scenes.running.run import run_scene as run_scene
+    from scenes.running.run import run_static as run_static
     from scenes.spec.matrices import MatrixScene as MatrixScene
     from scenes.spec.matrices import load_matrices as load_matrices
     from scenes.spec.matrices import read_matrix_scene as read_matrix_scene
@@ -35,14 +35,13 @@ if TYPE_CHECKING:
 _OWNERS = {
     "cea.contact.formulations": ("Formulation", "register"),
     "scenes.checking.check": ("Inspection", "inspect_scene"),
-    "scenes.results.record": ("save_result",),
+    "scenes.refinement": ("richer_scene",),
+    "scenes.results.record": ("open_result", "save_result"),
     "scenes.results.result": ("Result",),
-    "scenes.running.analysis": ("open_result", "run_scene"),
     "scenes.running.assembled": ("AssembledScene", "assemble"),
     "scenes.running.matrices": ("AssembledMatrices", "run_matrices"),
-    "scenes.running.modes": ("run_modes",),
-    "scenes.running.nested": ("estimate_errors", "richer_scene"),
-    "scenes.running.static": ("run_static",),
+    "scenes.running.nested": ("estimate_errors",),
+    "scenes.running.run": ("run_modes", "run_scene", "run_static"),
     "scenes.spec.plain": ("scene_names",),
     "scenes.spec.matrices": ("MatrixScene", "load_matrices", "read_matrix_scene"),
     "scenes.spec.problems": ("SceneError",),

@@ -1,7 +1,7 @@
-"""Refinement of scenes: more elements along every direction, layers at singular edges.
+"""Refinement of scenes: richer spaces; more elements along every direction, graded to edges.
 
-Bodies of mesh files keep their cells and change the degree. Every contact becomes mortar, which
-does not add to the discretisation error of the meshes at any stiffness.
+In :func:`refined` scenes bodies of mesh files keep their cells and change the degree. Every contact
+becomes mortar, which does not add to the discretisation error of the meshes at any stiffness.
 
 Meshes are graded towards edges with singular stresses. Stresses are singular along the edges
 between a clamped and a free face, along re-entrant edges, and along the boundary of a contact that
@@ -10,8 +10,9 @@ symmetry.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import prod
+from typing import Any, Literal, get_args
 
 from cea.contact.formulations import Mortar
 from cea.errors import InputError
@@ -36,27 +37,14 @@ side a and the smaller Young's modulus E."""
 _WITHIN = 1e-9
 """Least distance of an inner coordinate from the ends of a range, relative to the range."""
 
+_HIGHEST = {"fe": 4, "iga": 8}
+"""Highest degree of each backend."""
+
+Enrichment = Literal["degree", "bisection", "smooth"]
 Place = tuple[str, float]
 """A direction and a coordinate along it."""
 Edge = tuple[Place, Place]
 """The two coordinates of an edge."""
-
-
-@dataclass(frozen=True)
-class SingularEdges:
-    """Singular edges of one body."""
-
-    edges: tuple[dict[str, float], ...] = ()  # by coordinates along two directions
-    # coordinates inside the body where the pressure ends, which become element boundaries
-    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
-
-    @property
-    def towards(self) -> dict[str, tuple[float, ...]]:
-        """Coordinates of the edges, towards which elements are graded, by direction."""
-        return _by_direction([place for edge in self.edges for place in edge.items()])
-
-    def __bool__(self) -> bool:
-        return bool(self.edges)
 
 
 @dataclass(frozen=True)
@@ -86,11 +74,8 @@ def from_file(body: BodySpec) -> bool:
 
 def has_singular_edges(scene: Scene) -> bool:
     """Whether layers have an effect: a body has singular edges and a structured mesh."""
-    structured = [
-        name
-        for name, body in scene.bodies.items()
-        if body.division is not None and getattr(body.division, "size", None) is None
-    ]
+    meshes = {name: body.division for name, body in scene.bodies.items()}
+    structured = [name for name, mesh in meshes.items() if mesh is not None and mesh.elements]
     return any(singular_edges(scene, name) for name in structured)
 
 
@@ -106,6 +91,82 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
     contacts = {name: _accurate(contact) for name, contact in given.contacts.items()}
     bodies = {name: _refined(given, name, resolution) for name in given.bodies}
     return consistent(replace(given, bodies=bodies, contacts=contacts))
+
+
+def richer_scene(scene: Scene, by: Enrichment | None = "degree") -> Scene:
+    """Return the scene with the space of every body enriched; shapes and contacts do not change.
+
+    The new spaces contain the old ones, with three exceptions: curved Lagrange cells, whose
+    geometry is refined too to include its error; NURBS of higher continuity; and bisection of
+    elements ``through`` given coordinates, if the number of elements of a part does not double.
+
+    Parameters
+    ----------
+    scene
+        The scene to enrich.
+    by
+        ``"degree"``: one degree higher; NURBS keep their continuity.
+        ``"bisection"``: twice the elements along each direction.
+        ``"smooth"``: one degree and one continuous derivative higher, which adds few unknowns;
+        NURBS only.
+        None: a choice that also shows the errors of singular solutions at moderate cost. In the
+        plane bisection; in three dimensions one degree higher, smooth for NURBS, and bisection at
+        the highest degree.
+
+    Raises
+    ------
+    InputError
+        If a degree is already the highest, or the mesh to bisect has no numbers of elements.
+    """
+    if by not in (None, *get_args(Enrichment)):
+        raise InputError("by", by, " or ".join(map(repr, get_args(Enrichment))))
+    bodies = scene.bodies.items()
+    enriched = {name: _enriched(f"bodies.{name}.mesh", body, by) for name, body in bodies}
+    return replace(scene, bodies=enriched)
+
+
+def _enriched(field: str, body: BodySpec, by: Enrichment | None) -> BodySpec:
+    """Return a body with its space enriched; ``field`` is the path of its mesh."""
+    mesh, highest = body.division, _HIGHEST[body.backend]
+    degree = max(mesh.degree) if isinstance(mesh, IgaMesh) else body.fe_degree or 0
+    if by is None:
+        by = "smooth" if body.backend == "iga" else "degree"
+        if mesh is not None and mesh.elements and (body.dim == 2 or degree >= highest):
+            by = "bisection"
+    if by == "smooth" and body.backend == "fe":
+        raise InputError("by", by, "'degree' or 'bisection' for Lagrange elements")
+    if by != "bisection" and degree >= highest:
+        allowed = f"below {highest} to be raised; bisect elements instead"
+        raise InputError(f"{field}.degree", degree, allowed)
+    if mesh is None:
+        if by != "degree":
+            raise InputError(field, by, "'degree': cells of a mesh file cannot be bisected")
+        return replace(body, mesh=replace(body.mesh, degree=degree + 1))
+    finer: FeMesh | IgaMesh
+    if by == "bisection":
+        if mesh.elements is None:
+            allowed = "left out, with elements given instead, for bisection"
+            raise InputError(f"{field}.fe.size", getattr(mesh, "size", None), allowed)
+        finer = replace(mesh, elements=tuple(2 * n for n in mesh.elements))
+    elif isinstance(mesh, IgaMesh):
+        continuity = mesh.continuities if by == "degree" else mesh.continuity
+        if by == "smooth" and continuity is not None:
+            continuity = tuple(c + 1 for c in continuity)
+        finer = replace(mesh, degree=tuple(q + 1 for q in mesh.degree), continuity=continuity)
+    else:
+        curved = mesh.geometry_degree
+        geometry = None if curved is None else min(curved + 1, highest)
+        finer = _of_degree(body, replace(mesh, geometry_degree=geometry), degree + 1)
+    own: Any = {body.backend: finer}
+    return replace(body, mesh=replace(body.mesh, **own))
+
+
+def _of_degree(body: BodySpec, mesh: FeMesh, degree: int) -> FeMesh:
+    """Return a mesh with elements of another degree, with cells that the shape of the body has."""
+    curved = mesh.geometry_degree
+    if isinstance(body.geometry, VentilatedDisc):
+        curved = min(curved or degree, MAX_CURVED)
+    return replace(mesh, degree=degree, geometry_degree=curved)
 
 
 def moved_to_mortar(scene: Scene) -> dict[str, str]:
@@ -129,48 +190,43 @@ def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
     if from_file(body):
         return replace(body, mesh=replace(body.mesh, degree=resolution.file_degree))
     mesh = body.division
-    if mesh is None:
-        raise InputError(f"bodies.{name}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    assert mesh is not None, "the scene was checked on this backend"
     finer: FeMesh | IgaMesh
     if isinstance(mesh, FeMesh):
-        finer = replace(mesh, degree=resolution.degree)
+        finer = _of_degree(body, mesh, resolution.degree)
     else:
-        degree = (resolution.degree,) * len(body.geometry.directions)
-        finer = replace(mesh, degree=degree, continuity=None)
+        finer = replace(mesh, degree=(resolution.degree,) * body.dim, continuity=None)
     if isinstance(finer, FeMesh) and finer.size is not None:
         finer = replace(finer, size=finer.size / density)
-        if isinstance(body.geometry, VentilatedDisc):
-            curved = min(finer.geometry_degree or finer.degree, MAX_CURVED)
-            finer = replace(finer, geometry_degree=curved)
     else:
         elements = tuple(max(1, round(n * density)) for n in finer.elements or ())
         finer = replace(finer, elements=elements)
         finer = _with_breaks(finer, scene, name, resolution.layers)
-    mesh_spec = MeshSpec(fe=finer) if isinstance(finer, FeMesh) else MeshSpec(iga=finer)
-    return replace(body, mesh=mesh_spec)
+    own: Any = {body.backend: finer}
+    return replace(body, mesh=MeshSpec(**own))
 
 
 def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -> FeMesh | IgaMesh:
     """Return a structured mesh that fits contact boundaries, with layers at singular edges."""
-    body, edges = scene.bodies[name], singular_edges(scene, name)
-    shape, through = body.geometry, dict(mesh.through)
-    for direction, values in edges.through.items():
-        through[direction] = tuple(sorted({*through.get(direction, ()), *values}))
+    shape, edges = scene.bodies[name].geometry, singular_edges(scene, name)
+    inner = [place for _, place in _boundaries_on(scene, name, stiff=False)]
+    given = [(direction, x) for direction, values in mesh.through.items() for x in values]
+    through = by_direction([*given, *inner])
     least = fewest(shape, through)
     elements = tuple(map(max, mesh.elements or (), least))
     if not layers or not edges:
         return replace(mesh, elements=elements, through=through)
-    of_one_direction = len({frozenset(edge) for edge in edges.edges}) == 1
+    towards = by_direction([place for edge in edges for place in edge.items()])
+    of_one_direction = len({frozenset(edge) for edge in edges}) == 1
     if isinstance(mesh, FeMesh) and mesh.cell not in SIMPLICES and of_one_direction:
         # Only the cells at the edges are divided: Lagrange cells need no tensor product mesh.
-        new = replace(mesh, through=through, edges=edges.edges, layers=layers)
-        while not fit(shape, breaks_of(shape, elements, new.boundaries), edges.edges):
-            elements = tuple(
-                n + (d in edges.towards) for d, n in zip(shape.directions, elements, strict=True)
-            )
+        new = replace(mesh, through=through, edges=edges, layers=layers)
+        while not fit(shape, breaks_of(shape, elements, new.boundaries), edges):
+            counts = zip(shape.directions, elements, strict=True)
+            elements = tuple(n + (direction in towards) for direction, n in counts)
         return replace(new, elements=elements)
     along = zip(shape.directions, breaks_of(shape, elements, through), strict=True)
-    breaks = {d: layered(each, edges.towards.get(d, ()), layers, RATIO) for d, each in along}
+    breaks = {d: layered(each, towards.get(d, ()), layers, RATIO) for d, each in along}
     return replace(
         mesh,
         elements=tuple(len(each) - 1 for each in breaks.values()),
@@ -178,10 +234,10 @@ def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -
     )
 
 
-def singular_edges(scene: Scene, name: str) -> SingularEdges:
-    """Return the singular edges of a body, and inner coordinates at which the pressure ends.
+def singular_edges(scene: Scene, name: str) -> tuple[dict[str, float], ...]:
+    """Return the singular edges of a body, each as its coordinates by direction.
 
-    The result is empty if no edge is singular, or the shape has no faces normal to coordinates.
+    There are none if no edge is singular, or the shape has no faces normal to coordinates.
     """
     body = scene.bodies[name]
     faces = []  # that are clamped, or sides a of stiff contacts
@@ -195,12 +251,11 @@ def singular_edges(scene: Scene, name: str) -> SingularEdges:
             faces.append(surface)
     found = [edge for face in faces for edge in _edges(body, face)]
     found += [*_re_entrant(body.geometry), *_boundaries_on(scene, name, stiff=True)]
-    inner = [place for _, place in _boundaries_on(scene, name, stiff=False)]
-    edges = tuple(dict(edge) for edge in dict.fromkeys(found))
-    return SingularEdges(edges, _by_direction(inner))
+    return tuple(dict(edge) for edge in dict.fromkeys(found))
 
 
-def _by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:
+def by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:
+    """Return the coordinates of places by direction, sorted."""
     directions = dict.fromkeys(direction for direction, _ in places)
     return {d: tuple(sorted({x for name, x in places if name == d})) for d in directions}
 

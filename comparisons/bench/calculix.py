@@ -34,7 +34,7 @@ from comparisons.study.study import Case, Session, Study, StudyResult
 from fe_cea import LagrangeSpace
 from scenes import run_modes
 from scenes.building.build import body_mesh
-from scenes.export.decks.write import write_deck
+from scenes.export.decks.calculix import write_deck
 from scenes.spec.mesh import FeMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene
 

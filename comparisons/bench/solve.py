@@ -36,7 +36,7 @@ from comparisons.study.numbers import shown
 from comparisons.study.sections import Column, Plot, Section, Table
 from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from scenes.checking.memory import in_memory_or_on_disk
-from scenes.running.system import coupled
+from scenes.running.run import coupled
 from scenes.spec.reading import Scene, load_scene
 
 SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {

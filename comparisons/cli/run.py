@@ -94,7 +94,7 @@ def _run(
     from comparisons.cli.output import console, print_result, say, working
     from scenes.results.folder import RESULT, check_run_out, new_folder
     from scenes.results.record import save_result
-    from scenes.running.analysis import run_scene
+    from scenes.running.run import run_scene
     from scenes.spec.reading import OutputSpec
 
     output = getattr(scene, "output", OutputSpec())

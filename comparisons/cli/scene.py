@@ -67,7 +67,7 @@ def list_() -> None:
     """List the scenes that come with the project."""
     from comparisons.cli.output import console, print_columns
     from scenes.checking.memory import dofs_of
-    from scenes.spec.plain import matrix_scene_names, scene_names, tables_of
+    from scenes.spec.plain import OF_MATRICES, scene_names, tables_of
     from scenes.spec.reading import load_scene
 
     rows = []
@@ -75,7 +75,7 @@ def list_() -> None:
         chosen = load_scene(name)
         dofs = sum(map(dofs_of, chosen.bodies.values()))
         rows.append((name, f"{dofs:.0f}", ", ".join(chosen.bodies), _first(chosen.description)))
-    for name in matrix_scene_names():
+    for name in scene_names(OF_MATRICES):
         rows.append((name, "", "matrices", _first(tables_of(name).get("description", ""))))
     heads = ("scene", "dofs, about", "bodies", "what it is")
     texts = zip(heads, zip(*rows, strict=True), strict=True)
@@ -98,7 +98,7 @@ def export(
 ) -> None:
     """Write a scene of Lagrange elements as an input deck of CalculiX."""
     from comparisons.cli.output import working
-    from scenes.export.decks.write import write_deck
+    from scenes.export.decks.calculix import write_deck
     from scenes.spec.reading import load_scene
 
     with working("export"):

@@ -26,8 +26,9 @@ from scenes.refinement import (
     has_singular_edges,
     on_backend_of_shapes,
     refined,
+    richer_scene,
 )
-from scenes.running.nested import estimate_errors, richer_scene
+from scenes.running.nested import estimate_errors
 from scenes.spec.body import Backend
 from scenes.spec.reading import Scene
 

@@ -19,7 +19,7 @@ springs (:mod:`cea.motion`).
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ from cea.contact.interface import along
 from cea.expressions import evaluate
 from cea.matrices import local_part
 from cea.system.coupled import CoupledSystem
-from scenes.running.system import coupled
+from scenes.running.run import coupled
 from scenes.spec.body import DampingSpec
 from scenes.spec.contact import SlidingSpec
 from scenes.spec.reading import Scene, read_scene
@@ -285,7 +285,7 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
     assert friction is not None
     x, n = points.x, points.normal
     share = 1 / sum(other.pair == contact.pair for other in system.contacts)
-    fields = spec.fields.items()
+    fields = asdict(spec).items()
     given = {name: evaluate(value, x) for name, value in fields if value is not None}
     load = share * points.weight * given["pressure"]
     k = friction.along(x, n)

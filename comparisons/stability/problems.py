@@ -26,7 +26,7 @@ from scenes import Result, run_scene
 from scenes.export.decks.model import keyword, table
 from scenes.results.record import as_json
 from scenes.running.matrices import run_matrices
-from scenes.running.system import coupled
+from scenes.running.run import coupled
 from scenes.spec.matrices import read_matrix_scene
 from scenes.spec.plain import plain_data
 from scenes.spec.reading import Scene, read_scene

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 
@@ -175,7 +175,7 @@ def _half_pass(
             law = LinearLaw(share * _values("p", p, points.x))
         sliding = None
         if spec.sliding is not None:
-            given = {n: value for n, value in spec.sliding.fields.items() if value is not None}
+            given = {n: value for n, value in asdict(spec.sliding).items() if value is not None}
             sliding = Sliding(**{n: _values(f"sliding.{n}", v, points.x) for n, v in given.items()})
         friction = None
         if spec.friction_direction_on_a is not None:

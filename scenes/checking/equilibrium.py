@@ -17,7 +17,6 @@ Below 0.6 unstable modes were missed, above 0.6 none. In three dimensions the er
 directions add up. At p W / E = 1e7 mortar with 20 functions across the zone had an error of 1 %.
 """
 
-from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -28,18 +27,15 @@ from cea.arrays import Floats
 from cea.body.space import VolumeCells
 from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
-from cea.errors import ResultWarning
 from cea.ranks import agreed, made_on_first
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
-from scenes.checking.warnings import left_alone, warning
+from scenes.checking.warnings import Warnings, left_alone, warning
 from scenes.spec.mesh import IgaMesh
 from scenes.spec.reading import Scene
-
-Warnings = Iterator[ResultWarning]
 
 _STRAIN = 0.1
 """Principal strain above which a warning is given: the quadratic term e^2 / 2 of the Green-Lagrange

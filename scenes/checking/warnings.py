@@ -167,10 +167,8 @@ def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
         counted = partial(_middles_inside, samples[one], samples[other])
         cells = bodies[one].comm.bcast(made_on_first(bodies[one].comm, counted))
         if cells:
-            told = (
-                "bodies.{body} and bodies.{other} overlap by {elements} elements, and no contact "
-            )
-            told += "joins them"
+            told = "bodies.{body} and bodies.{other} overlap by {elements} elements, and no "
+            told += "contact joins them"
             yield warning("bodies-overlap", told, body=one, other=other, elements=cells)
 
 
@@ -298,10 +296,8 @@ def _gap_closed(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
 
 def _gaps_as_zero(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     """Warn of initial gaps below the geometry error of mesh files; collective."""
-    told = (
-        "initial gaps up to {gap:.2g} m, on {fraction:.3g} of the area of contacts.{half}, count "
-    )
-    told += "as zero: its mesh has errors up to {geometry_error:.2g} m"
+    told = "initial gaps up to {gap:.2g} m, on {fraction:.3g} of the area of contacts.{half}, "
+    told += "count as zero: its mesh has errors up to {geometry_error:.2g} m"
     for half in halves if scene.contacts[name].c_n is not None else ():
         interface = half.interface
         with agreed(interface.comm):

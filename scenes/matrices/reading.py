@@ -17,7 +17,7 @@ from cea.arrays import Ints
 from cea.eigen.coefficients import Parameter
 from cea.eigen.mumps import inertia
 from cea.eigen.pencil import Pencil, Term
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
@@ -137,8 +137,7 @@ def check_mass(mass: Any, names: str) -> None:
     the unknowns.
     """
     allowed = "a mass that is positive definite: condense unknowns without mass"
-    if mass is None:
-        raise InputError("mass", f"{names}: zero", allowed)
+    require(mass is not None, "mass", f"{names}: zero", allowed)
     diagonal = mass.getDiagonal()
     comm = mass.comm.tompi4py()
     without = comm.allreduce(int((diagonal.array_r <= 0).sum()))
@@ -152,9 +151,8 @@ def check_mass(mass: Any, names: str) -> None:
     shifted.setOption(shifted.Option.SYMMETRIC, True)
     negative = sum(inertia(shifted))
     destroy(diagonal)
-    if negative:
-        value = f"{names}: {negative} eigenvalues that are zero or negative"
-        raise InputError("mass", value, allowed)
+    value = f"{names}: {negative} eigenvalues that are zero or negative"
+    require(not negative, "mass", value, allowed)
 
 
 def read_matrix(
@@ -169,8 +167,8 @@ def read_matrix(
     """
     path, shown = Path(file), f"{file}:{variable}" if variable else str(file)
     try:
-        if not path.is_file() or not path.stat().st_size:
-            raise InputError(field, shown, "an existing file that is not empty")
+        filled = path.is_file() and path.stat().st_size > 0
+        require(filled, field, shown, "an existing file that is not empty")
         arrays = arrays_of(_PROGRAM, path)
         labels = arrays.pop("labels", None)
         names = sorted({entry.rpartition(" ")[0] for entry in arrays})
@@ -194,21 +192,16 @@ def _checked(arrays: dict[str, Any], name: str) -> csr_array:
     """Return a matrix of the arrays; raise an InputError unless it is real, finite and nonzero."""
     data, row, col, shape = (arrays[f"{name} {part}"] for part in ("data", "row", "col", "shape"))
     rows, columns = (int(n) for n in shape)
-    for wrong, allowed in (
-        (rows != columns, f"a square matrix, not {rows} x {columns}"),
-        (not 0 < rows <= _LARGEST_SIZE, f"1 to {_LARGEST_SIZE} rows, not {rows}"),
-        (data.dtype.kind not in "biuf", f"real numbers, not {data.dtype}"),
-        (len(data) > _MOST_ENTRIES, f"at most {_MOST_ENTRIES} entries, not {len(data)}"),
-    ):
-        if wrong:
-            raise InputError("file", name, allowed)
+    few, allowed = len(data) <= _MOST_ENTRIES, f"at most {_MOST_ENTRIES} entries, not {len(data)}"
+    require(rows == columns, "file", name, f"a square matrix, not {rows} x {columns}")
+    require(0 < rows <= _LARGEST_SIZE, "file", name, f"1 to {_LARGEST_SIZE} rows, not {rows}")
+    require(data.dtype.kind in "biuf", "file", name, f"real numbers, not {data.dtype}")
+    require(few, "file", name, allowed)
     matrix = csr_array(coo_array((data, (row, col)), shape=(rows, columns)), dtype=float)
     matrix.sum_duplicates()
-    if not np.isfinite(matrix.data).all():
-        raise InputError("file", name, "finite numbers")
+    require(bool(np.isfinite(matrix.data).all()), "file", name, "finite numbers")
     matrix.eliminate_zeros()
-    if not matrix.nnz:
-        raise InputError("file", name, "a matrix with an entry that is not zero")
+    require(matrix.nnz > 0, "file", name, "a matrix with an entry that is not zero")
     return matrix
 
 

@@ -1,93 +1,17 @@
-"""Conversion of results to the plain data of records, and back."""
+"""Conversion of results to the plain data of records."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import BaseModel
 
 from cea.contact.interface import Interface
-from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import InputError, ResultWarning
+from cea.eigen.spectrum import Spectrum
 from scenes.spec.plain import plain_data
 
 if TYPE_CHECKING:
     from cea.system.steady_state import ContactState, LoadStep, SteadySliding
-
-
-class Record(BaseModel):
-    """Provenance of a record: command, inputs, versions and the machine."""
-
-    command: str
-    inputs: dict[str, Any]
-    versions: dict[str, str]
-    commit: str
-    machine: dict[str, Any]
-    seconds: float
-    warnings: tuple[Any, ...]
-
-
-class Eigenvalue(BaseModel):
-    """Fields of an eigenvalue that are read back from a record."""
-
-    re: float
-    im: float
-    residual: float
-    condition: float
-    uncertainty: float
-    bounded: bool = False
-
-
-class SideStress(BaseModel):
-    """Normal stress of one side of a contact."""
-
-    min: float
-    max: float
-    arc: list[float]
-    sigma_n_along: list[float | None]
-
-
-class Dofs(BaseModel):
-    """Number of unknowns."""
-
-    free: int
-
-
-class RunRecord(Record):
-    """Fields of the record of a run (`docs/result_json.md`) that are needed to open it."""
-
-    scene: dict[str, Any]
-    dofs: Dofs
-    timings: dict[str, float]
-    skipped: dict[str, str]
-    warnings: tuple[ResultWarning, ...]
-    eigenvalues: list[Eigenvalue] | None = None
-    window: Window | None = None
-    stresses: dict[str, dict[str, SideStress]] | None = None
-
-
-def opened(record: RunRecord, kind: str) -> dict[str, Any]:
-    """Return the eigenvalues or stresses of a record as keyword arguments of a result."""
-    if record.stresses is not None and kind == "static":
-        from cea.system.contact_stresses import NormalStress
-
-        stresses: dict[str, dict[str, Any]] = {name: {} for name in record.stresses}
-        for name, sides in record.stresses.items():
-            for side, s in sides.items():
-                along = np.array(s.sigma_n_along, dtype=float)
-                stresses[name][side] = NormalStress(s.min, s.max, np.array(s.arc), along)
-        return {"stresses": stresses}
-    values, window = record.eigenvalues, record.window
-    if values is None or window is None or kind == "static":
-        allowed = "'cea'" if values is not None else "'static'"
-        raise InputError("scene.analysis.kind", kind, f"{allowed}, the kind of the stored data")
-    rows = np.array([list(value.model_dump().values()) for value in values], dtype=float)
-    columns = rows.reshape(len(values), len(Eigenvalue.model_fields)).T
-    re, im, residuals, conditions, uncertainties, bounded = columns
-    errors = residuals, conditions, uncertainties
-    about: Any = {"bounded": bounded.astype(bool), "warnings": record.warnings}
-    return {"spectrum": Spectrum(re + 1j * im, *errors, window, **about)}
 
 
 def described(result: Any) -> dict[str, Any]:

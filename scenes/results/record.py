@@ -19,10 +19,68 @@ from math import inf, isinf, isnan
 from pathlib import Path
 from typing import Any
 
-from cea.errors import InputError, require
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from cea.eigen.spectrum import Spectrum, Window
+from cea.errors import InputError, ResultWarning, require
 from cea.files import regular, write_whole
-from scenes.results.data import Record
+from cea.timing import StageTimer
 from scenes.results.result import Result
+from scenes.spec.problems import problems
+from scenes.spec.reading import read_scene
+
+
+class Record(BaseModel):
+    """Provenance of a record: command, inputs, versions and the machine."""
+
+    command: str
+    inputs: dict[str, Any]
+    versions: dict[str, str]
+    commit: str
+    machine: dict[str, Any]
+    seconds: float
+    warnings: tuple[Any, ...]
+
+
+class Eigenvalue(BaseModel):
+    """Fields of an eigenvalue that are read back from a record."""
+
+    re: float
+    im: float
+    residual: float
+    condition: float
+    uncertainty: float
+    bounded: bool = False
+
+
+class SideStress(BaseModel):
+    """Normal stress of one side of a contact."""
+
+    min: float
+    max: float
+    arc: list[float]
+    sigma_n_along: list[float | None]
+
+
+class Dofs(BaseModel):
+    """Number of unknowns."""
+
+    free: int
+
+
+class RunRecord(Record):
+    """Fields of the record of a run (`docs/result_json.md`) that are needed to open it."""
+
+    scene: dict[str, Any]
+    dofs: Dofs
+    timings: dict[str, float]
+    skipped: dict[str, str]
+    warnings: tuple[ResultWarning, ...]
+    eigenvalues: list[Eigenvalue] | None = None
+    window: Window | None = None
+    stresses: dict[str, dict[str, SideStress]] | None = None
+
 
 PROVENANCE = tuple(Record.model_fields)
 """Fields of every record; all others are data of its command."""
@@ -76,6 +134,63 @@ def save_result(
         made = record(RUN, described, inputs=inputs, seconds=seconds, warnings=warnings)
         write_record(made, path)
     return path
+
+
+def open_result(file: str | Path) -> Result:
+    """Open the record of a run.
+
+    Parameters
+    ----------
+    file
+        A ``result.json``, compressed if its name ends in ``.gz``.
+
+    Raises
+    ------
+    InputError
+        If the file does not exist or is not the record of a run.
+    """
+    data = read_record(file)
+    try:
+        record = RunRecord.model_validate_json(json.dumps(data), strict=True)
+    except ValidationError as error:
+        first = problems(error, data, {})[0]
+        raise InputError("file", str(file), f"a stored result; invalid field {first}") from error
+    from scenes.spec.matrices import read_matrix_scene
+
+    read: Any = read_matrix_scene if "files" in record.scene else read_scene
+    scene, timer = read(record.scene), StageTimer()
+    timer.seconds = record.timings
+    return Result(
+        scene,
+        timer,
+        record.skipped,
+        record.warnings,
+        **_opened(record, scene.analysis.kind),
+        record=data,
+    )
+
+
+def _opened(record: RunRecord, kind: str) -> dict[str, Any]:
+    """Return the eigenvalues or stresses of a record as keyword arguments of a result."""
+    if record.stresses is not None and kind == "static":
+        from cea.system.contact_stresses import NormalStress
+
+        stresses: dict[str, dict[str, Any]] = {name: {} for name in record.stresses}
+        for name, sides in record.stresses.items():
+            for side, s in sides.items():
+                along = np.array(s.sigma_n_along, dtype=float)
+                stresses[name][side] = NormalStress(s.min, s.max, np.array(s.arc), along)
+        return {"stresses": stresses}
+    values, window = record.eigenvalues, record.window
+    if values is None or window is None or kind == "static":
+        allowed = "'cea'" if values is not None else "'static'"
+        raise InputError("scene.analysis.kind", kind, f"{allowed}, the kind of the stored data")
+    rows = np.array([list(value.model_dump().values()) for value in values], dtype=float)
+    columns = rows.reshape(len(values), len(Eigenvalue.model_fields)).T
+    re, im, residuals, conditions, uncertainties, bounded = columns
+    errors = residuals, conditions, uncertainties
+    about: Any = {"bounded": bounded.astype(bool), "warnings": record.warnings}
+    return {"spectrum": Spectrum(re + 1j * im, *errors, window, **about)}
 
 
 def record(

@@ -12,9 +12,8 @@ from cea.errors import InputError, ResultWarning, require
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from scenes.results.result import Result
-from scenes.running.modes import result_of_modes, run_modes, solved
+from scenes.running.run import coupled, result_of_modes, run_modes, solved, system_warnings
 from scenes.running.swept import at_parameters, in_saddle_form, parameters_changed, parameters_meant
-from scenes.running.system import coupled, system_warnings
 from scenes.spec.reading import Scene
 
 _SAMPLES = 5

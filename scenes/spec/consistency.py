@@ -297,7 +297,7 @@ def _contact_checks(
     fields = {"p": contact.p, "mu": contact.mu}
     if contact.sliding is not None:
         pressure, speed = contact.sliding.pressure, contact.sliding.speed
-        fields |= {f"sliding.{name}": value for name, value in contact.sliding.fields.items()}
+        fields |= {f"sliding.{name}": value for name, value in asdict(contact.sliding).items()}
         either = (pressure is None) != (contact.c_n is None)
         allowed = "either the contact pressure (N/m^2) or c_n, with which the loads determine it"
         faults.require(either, f"{place}.sliding.pressure", pressure, allowed)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any, Union
 
-from pydantic import Discriminator, Field, GetCoreSchemaHandler, Tag
+from pydantic import Discriminator, Field, GetCoreSchemaHandler, GetPydanticSchema, Tag
 from pydantic_core import CoreSchema
 
 from cea.contact.formulations import Form, Formulation, registered
@@ -15,14 +15,10 @@ from cea.expressions import Expression
 from scenes.spec.body import Backend
 
 
-class _Registered:
-    """pydantic schema of all registered formulations, a union discriminated by ``method``."""
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        every: Any = Union[tuple(registered().values())]  # noqa: UP007  (built from a list)
-        return handler.generate_schema(Annotated[every, Field(discriminator="method")])
+def _every_formulation(_: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    """Return the schema of all registered formulations, a union discriminated by ``method``."""
+    every: Any = Union[tuple(registered().values())]  # noqa: UP007  (built from a list)
+    return handler.generate_schema(Annotated[every, Field(discriminator="method")])
 
 
 _DIRECTIONS = {
@@ -90,11 +86,6 @@ class SlidingSpec:
         either = self.speed is not None or self.mu_slope is not None
         require(either, "speed", None, "speed, mu_slope or both")
 
-    @property
-    def fields(self) -> dict[str, float | str | None]:
-        """Values of the fields by name, None for those left out."""
-        return {"pressure": self.pressure, "speed": self.speed, "mu_slope": self.mu_slope}
-
 
 @dataclass(frozen=True)
 class ContactSpec:
@@ -139,7 +130,7 @@ class ContactSpec:
 
     a: str
     b: str
-    formulation: Annotated[Formulation, _Registered()]
+    formulation: Annotated[Formulation, GetPydanticSchema(_every_formulation)]
     P: Annotated[float, Field(gt=0, allow_inf_nan=True)] | None = None
     p: Annotated[float, Field(allow_inf_nan=True)] | str | None = None
     c_n: Annotated[float, Field(allow_inf_nan=True)] | None = None

@@ -54,18 +54,13 @@ def checked[T: Hashable](kind: type[T], data: Mapping[str, Any]) -> T:
     try:
         scene: T = adapter.validate_json(content)
     except ValidationError as error:
-        raise SceneError(problems(error, json.loads(content), _schema(adapter))) from error
+        raise SceneError(problems(error, json.loads(content), adapter.json_schema())) from error
     return scene
 
 
 @cache
 def _adapter(kind: type, _formulations: tuple[type[Formulation], ...]) -> TypeAdapter[Any]:
     return TypeAdapter(kind)
-
-
-@cache
-def _schema(adapter: TypeAdapter[Any]) -> dict[str, Any]:
-    return adapter.json_schema()
 
 
 def plain_data(value: Any, place: str = "scene") -> Any:
@@ -80,8 +75,6 @@ def _json(data: Any, place: str = "scene") -> bytes:
     """Serialise a scene or a part of one to JSON; raise a SceneError for other types."""
     try:
         return json.dumps(data, default=_plain, ensure_ascii=False).encode()
-    except SceneError:
-        raise
     except (TypeError, ValueError, RecursionError) as error:
         allowed = f"text, numbers, lists, and tables of them by name, not too deep: {error}"
         refuse(place, "...", allowed)
@@ -99,7 +92,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, PurePath):
         return str(value)
     if not hasattr(value, "tolist"):
-        refuse("value", value, "plain data, or a section of a scene")
+        raise TypeError(f"{value!r} is not plain data, or a section of a scene")
     return value.tolist()
 
 
@@ -159,7 +152,7 @@ def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any
     try:
         content = regular(file).read_bytes()
     except (OSError, ValueError) as error:
-        names = [*scene_names(), *matrix_scene_names()]
+        names = [*scene_names(), *scene_names(OF_MATRICES)]
         reason = f" ({error.strerror})" if isinstance(error, OSError) and error.strerror else ""
         meant = did_you_mean(file.stem, names)
         if file.stem in names:
@@ -196,14 +189,9 @@ def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
         set_at(data, path, value)
 
 
-def scene_names() -> list[str]:
-    """Return the names of the scenes of bodies that come with the project."""
-    return sorted(file.stem for file in SCENES.glob("*.toml"))
-
-
-def matrix_scene_names() -> list[str]:
-    """Return the names of the scenes of matrices that come with the project."""
-    return sorted(file.stem for file in OF_MATRICES.glob("*.toml"))
+def scene_names(folder: Path = SCENES) -> list[str]:
+    """Return the names of the scenes that come with the project; ``OF_MATRICES`` has its own."""
+    return sorted(file.stem for file in folder.glob("*.toml"))
 
 
 def scene_file(scene: str | Path) -> Path:

@@ -7,7 +7,6 @@ Editors complete and check scene files with the schema.
 import json
 import re
 from collections.abc import Iterator, Mapping
-from functools import cache
 from inspect import cleandoc
 from typing import Any, Literal
 
@@ -28,7 +27,6 @@ def schema_text(kind: Kind) -> str:
     return json.dumps(scene_schema(kind), indent=1, ensure_ascii=False) + "\n"
 
 
-@cache
 def scene_schema(kind: Kind) -> dict[str, Any]:
     """Return the schema of a kind of scene, with descriptions of sections and fields."""
     made = _KINDS[kind]
@@ -123,7 +121,8 @@ On the command line, fields are set by their paths, with entries of lists by the
 def reference_text() -> str:
     """Return the reference as Markdown text."""
     lines, told = [_HEAD], set[str]()
-    for kind, root in (("bodies", "scene"), ("matrices", "scene of matrices")):
+    roots: dict[Kind, str] = {"bodies": "scene", "matrices": "scene of matrices"}
+    for kind, root in roots.items():
         schema = scene_schema(kind)
         lines.append(f"\n## Scenes of {kind}\n")
         for name, section in {root: schema, **schema["$defs"]}.items():

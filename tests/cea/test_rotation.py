@@ -19,7 +19,7 @@ from cea.material import IsotropicMaterial
 from cea.motion import Rotation
 from meshes.placement import Placement
 from meshes.shapes import Annulus
-from scenes.running.system import coupled
+from scenes.running.run import coupled
 from scenes.spec.reading import read_scene
 
 INNER, OUTER = 0.6, 1.0

@@ -10,7 +10,7 @@ from mpi import cea_on_ranks
 from PIL import Image
 
 from cea import __version__
-from scenes.spec.plain import matrix_scene_names, scene_names
+from scenes.spec.plain import OF_MATRICES, scene_names
 
 
 def test_version(cea):
@@ -22,7 +22,7 @@ def test_list_names_every_scene_in_a_line(cea):
     assert code == 0
     _, _, table = out.rpartition("─")
     lines = [line.strip() for line in table.splitlines() if line.strip()]
-    assert [line.split()[0] for line in lines] == [*scene_names(), *matrix_scene_names()]
+    assert [line.split()[0] for line in lines] == [*scene_names(), *scene_names(OF_MATRICES)]
     (line,) = (line for line in lines if line.startswith("disc_pad "))
     assert "pad, disc" in line
     assert "A steel disc clamped at its inner rim" in line

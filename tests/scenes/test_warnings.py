@@ -9,7 +9,7 @@ from covering import covering
 
 from scenes import inspect_scene, load_scene, read_scene, run_modes, run_scene, run_static
 from scenes.checking.warnings import doubtful_numbers, warnings_of
-from scenes.running.system import coupled
+from scenes.running.run import coupled
 
 SEGMENTS, MORTAR = {"method": "segments"}, {"method": "mortar"}
 

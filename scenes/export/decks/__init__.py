@@ -1,4 +1,4 @@
 """Export of scenes as input decks of CalculiX.
 
-The entry point is :func:`scenes.export.decks.write.write_deck`.
+The entry point is :func:`scenes.export.decks.calculix.write_deck`.
 """
