@@ -12,15 +12,15 @@ from cea.eigen.pencil import Pencil
 from cea.errors import InputError, ResultWarning, require
 from comparisons.sweep.points import Field, Points, table_of
 from scenes import Result
-from scenes.running.assembled import AssembledScene
-from scenes.running.matrices import AssembledMatrices
-from scenes.running.swept import (
+from scenes.running.assembled import (
+    AssembledScene,
     in_saddle_form,
     means_several,
     no_two_alike,
     parameters_meant,
     stiffnesses_meant,
 )
+from scenes.running.matrices import AssembledMatrices
 from scenes.spec.contact import ContactSpec
 from scenes.spec.matrices import load_matrices
 from scenes.spec.plain import is_of_matrices

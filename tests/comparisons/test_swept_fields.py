@@ -13,7 +13,7 @@ from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import NoMapError, mapped
 from scenes import load_scene, run_modes
 from scenes.running.assembled import AssembledScene
-from scenes.running.swept import parameters_meant
+from scenes.running.assembled import parameters_meant
 from scenes.spec.plain import scene_text
 
 PRESSURE = "loads.0.pressure"
