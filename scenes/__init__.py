@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from cea.contact.formulations import register as register
     from scenes.checking.check import Inspection as Inspection
     from scenes.checking.check import inspect_scene as inspect_scene
-    from scenes.refinement import richer_scene as richer_scene
     from scenes.results.record import open_result as open_result
     from scenes.results.record import save_result as save_result
     from scenes.results.result import Result as Result
@@ -31,11 +30,11 @@ if TYPE_CHECKING:
     from scenes.spec.reading import Scene as Scene
     from scenes.spec.reading import load_scene as load_scene
     from scenes.spec.reading import read_scene as read_scene
+    from scenes.spec.refinement import richer_scene as richer_scene
 
 _OWNERS = {
     "cea.contact.formulations": ("Formulation", "register"),
     "scenes.checking.check": ("Inspection", "inspect_scene"),
-    "scenes.refinement": ("richer_scene",),
     "scenes.results.record": ("open_result", "save_result"),
     "scenes.results.result": ("Result",),
     "scenes.running.assembled": ("AssembledScene", "assemble"),
@@ -46,6 +45,7 @@ _OWNERS = {
     "scenes.spec.matrices": ("MatrixScene", "load_matrices", "read_matrix_scene"),
     "scenes.spec.problems": ("SceneError",),
     "scenes.spec.reading": ("Scene", "load_scene", "read_scene"),
+    "scenes.spec.refinement": ("richer_scene",),
 }
 """Names by the module they come from."""
 

@@ -24,12 +24,7 @@ APPLICATIONS = sorted(
 )
 BESIDE_US = "comparisons.bench.assembly"
 """Programs that assembly is compared with and that come with this one."""
-DRAWING = (
-    "scenes.pictures.drawing",
-    "scenes.pictures.grids",
-    "scenes.pictures.scene",
-    "scenes.export.paraview",
-)
+DRAWING = ("scenes.results.pictures", "scenes.export.paraview")
 """Modules that need pyvista; all others import them in the functions that draw."""
 LIBRARIES = {
     "petsc4py slepc4py mpi4py dolfinx_solver": ("cea.petsc",),

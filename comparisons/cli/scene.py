@@ -56,7 +56,7 @@ def _check_bodies(scene: "Scene", file: Path | None) -> None:
     print_warnings(warning.plain() for warning in inspection.warnings)
     print_skipped(inspection.skipped)
     if file is not None and inspection.bodies:
-        from scenes.pictures.scene import draw_scene
+        from scenes.results.pictures import draw_scene
 
         typer.echo(f"The picture to open: {draw_scene(inspection, file)}")
     inspection.faults.refuse()

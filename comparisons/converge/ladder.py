@@ -20,7 +20,10 @@ from comparisons.study.session import Progress
 from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
 from scenes.checking.memory import check_memory, dofs_of
-from scenes.refinement import (
+from scenes.running.nested import estimate_errors
+from scenes.spec.body import Backend
+from scenes.spec.reading import Scene
+from scenes.spec.refinement import (
     Resolution,
     from_file,
     has_singular_edges,
@@ -28,9 +31,6 @@ from scenes.refinement import (
     refined,
     richer_scene,
 )
-from scenes.running.nested import estimate_errors
-from scenes.spec.body import Backend
-from scenes.spec.reading import Scene
 
 MESHES = 3
 """Meshes of an error bar: two differences give the order of convergence."""

@@ -16,11 +16,11 @@ from comparisons.converge.ladder import Mesh, elements_of
 from comparisons.converge.request import Request, half_unit
 from comparisons.study.numbers import counted
 from comparisons.study.run_warnings import Run, merged_warnings
-from scenes.refinement import moved_to_mortar
 from scenes.running.run import STATE_KEPT
 from scenes.spec.body import Backend
 from scenes.spec.plain import scene_text
 from scenes.spec.reading import Scene
+from scenes.spec.refinement import moved_to_mortar
 
 
 def data_of(

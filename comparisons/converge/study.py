@@ -13,10 +13,10 @@ from comparisons.converge.ladder import Ladder
 from comparisons.converge.record import data_of
 from comparisons.converge.request import Request
 from comparisons.study.session import Progress
-from scenes.refinement import from_file
 from scenes.results.record import record
 from scenes.spec.body import Backend
 from scenes.spec.reading import Scene, load_scene
+from scenes.spec.refinement import from_file
 
 COMMAND = "converge"
 """Name of the command in the record."""

@@ -41,7 +41,7 @@ class Shapes:
 
         ``modes`` are numbers of modes from 0, the most important first.
         """
-        from scenes.pictures.drawing import largest_deflection  # brings pyvista
+        from scenes.results.pictures import largest_deflection  # brings pyvista
 
         cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
         shapes = {
@@ -74,7 +74,7 @@ class Shapes:
 
     def _add_scene(self, key: str, outsides: Mapping[str, Any]) -> None:
         """Keep the bodies of a scene: positions in their bounding box, triangles, lines."""
-        from scenes.pictures.drawing import view_of  # brings pyvista
+        from scenes.results.pictures import view_of  # brings pyvista
 
         points = [surface.points for surface in outsides.values()]
         every = np.concatenate(points)
@@ -119,7 +119,7 @@ def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict
     Point data ``real i`` and ``imaginary i`` are the displacements of mode i, from 0; cell data
     ``element`` are the elements of the triangles.
     """
-    from scenes.pictures.grids import outside  # brings pyvista
+    from scenes.results.pictures import outside  # brings pyvista
 
     fields = {
         name: {
@@ -150,7 +150,7 @@ def _element_edges(surface: Any) -> Ints:
 
 def _sharp_edges(surface: Any) -> Ints:
     """Pairs of points along sharp edges, shape (n, 2)."""
-    from scenes.pictures.grids import sharp_edges
+    from scenes.results.pictures import sharp_edges
 
     numbered = surface.copy(deep=False)
     numbered.point_data["number"] = np.arange(surface.n_points)

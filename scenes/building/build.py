@@ -67,18 +67,18 @@ def build_body(
     name: str, spec: BodySpec, loads: Sequence[LoadSpec] = (), surfaces: Sequence[str] = ()
 ) -> Body:
     """Build a body of a scene on its backend; ``surfaces`` are those used from a mesh file."""
-    field, mesh, degree = f"bodies.{name}", spec.mesh.iga, spec.fe_degree
+    field, mesh = f"bodies.{name}", spec.mesh.iga
     space: Space
-    if spec.backend == "fe" and degree is not None:
+    if spec.backend == "fe":
         from fe_cea import LagrangeSpace
 
         space = LagrangeSpace.from_mesh(
             made_on_first(MPI.COMM_WORLD, lambda: body_mesh(name, spec, surfaces)),
-            degree=degree,
+            degree=spec.degree,
             true_surfaces=true_surfaces(spec.geometry, spec.placement),
             field=field,
         )
-    elif spec.backend == "iga" and mesh is not None:
+    elif mesh is not None:
         from iga_cea import NurbsSpace
         from meshes.nurbs_shapes import nurbs_shape
 
@@ -86,7 +86,7 @@ def build_body(
         shape, c = nurbs_shape(spec.geometry, breaks, spec.placement), mesh.continuity
         space = NurbsSpace(shape.patches, shape.faces, mesh.degree, continuity=c, field=field)
     else:
-        raise InputError(f"{field}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
+        raise InputError(f"{field}.mesh.iga", None, "needed for 'iga'")
     applied = [each.applied for each in loads]
     return Body(
         name,

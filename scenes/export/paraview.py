@@ -1,6 +1,6 @@
 """Export of modes, static displacements and load steps to ParaView."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
@@ -8,6 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 import pyvista
+from scipy.sparse import csr_array
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from cea.arrays import Floats
@@ -16,7 +17,7 @@ from cea.eigen.block_products import times
 from cea.files import write_whole
 from cea.matrices import destroy
 from cea.system.steady_state import ContactState
-from scenes.pictures.grids import cell_grid, in_space
+from scenes.results.pictures import cell_grid, in_space
 from scenes.results.result import Result
 from scenes.results.shapes import displacements
 
@@ -58,30 +59,21 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     list of Path
         The ``.pvd`` files.
     """
-    bodies = {name: body.space.volume_cells() for name, body in result.bodies.items()}
-    if result.spectrum is None:
-        name, modes, frames = "displacement", [], [_Frame(0.0, "static", {})]
-        u: dict[str, Any] = {
-            body: result.displacements(body, cells.values, everywhere=False)[..., None]
-            for body, cells in bodies.items()
-        }
-    else:
+    name, modes, frames = "displacement", list[int](), [_Frame(0.0, "static", {})]
+    if result.spectrum is not None:
         every = [*result.most_unstable(count), *range(len(result.modes))]
         name, modes = "modes", sorted(list(dict.fromkeys(every))[:count])
         frames = [_mode_frame(result, mode) for mode in modes]
-        u = {
-            body: result.mode_shapes(body, cells.values, modes, everywhere=False)
-            for body, cells in bodies.items()
-        }
-    first = result.comm.rank == 0
-    grids = {
-        body: (cell_grid(cells) if first else None, {"displacement": u[body]})
-        for body, cells in bodies.items()
-    }
-    files = [_write(out / f"{name}.pvd", result, frames, grids)]
+
+    def shapes(body: str, values: csr_array) -> Any:
+        if result.spectrum is None:
+            return result.displacements(body, values, everywhere=False)[..., None]
+        return result.mode_shapes(body, values, modes, everywhere=False)
+
+    files = [_write(out / f"{name}.pvd", result, frames, _bodies(result, shapes))]
     if contacts := result.system.contacts:
         steady = result.steady.contacts if result.steady is not None else {}
-        grids = {}
+        grids: dict[str, tuple[Any, _Fields]] = {}
         for each in contacts:
             grid, own = _points(each), steady.get(each.name)
             grid.point_data.update({} if own is None else _carried(own))
@@ -103,21 +95,33 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
     if not steps:
         return []
     frames = [_Frame(f, f"step_{i}", {"load": f}) for i, (f, *_) in enumerate(steps, start=1)]
-    grids: dict[str, tuple[Any, _Fields]] = {}
-    for name, body in result.bodies.items():
-        cells, shapes = body.space.volume_cells(), []
+
+    def shapes(body: str, values: csr_array) -> Floats:
+        every = []
         for factor, displacement, _ in steps:
-            x = displacement.array_r[:, None].astype(complex)
-            where = result.system, name, cells.values, x
-            shapes.append(displacements(*where, prescribed=factor, everywhere=False).real)
-        grid = cell_grid(cells) if result.comm.rank == 0 else None
-        grids[name] = grid, {"displacement": np.concatenate(shapes, axis=-1)}
+            where = result.system, body, values, displacement.array_r[:, None].astype(complex)
+            every.append(displacements(*where, prescribed=factor, everywhere=False).real)
+        return np.concatenate(every, axis=-1)
+
+    grids = _bodies(result, shapes)
     for contact in result.system.contacts:
         carried = [_carried(states[contact.name]) for *_, states in steps if contact.name in states]
         if carried:
             fields = {n: np.stack([each[n] for each in carried], axis=-1) for n in carried[0]}
             grids[contact.name] = _points(contact), fields
     return [_write(out / "load_steps.pvd", result, frames, grids)]
+
+
+def _bodies(
+    result: Result, shapes: Callable[[str, csr_array], Any]
+) -> dict[str, tuple[Any, _Fields]]:
+    """Return the grid and displacements of each body, given by its name and basis functions."""
+    grids: dict[str, tuple[Any, _Fields]] = {}
+    for name, body in result.bodies.items():
+        cells = body.space.volume_cells()
+        grid = cell_grid(cells) if result.comm.rank == 0 else None
+        grids[name] = grid, {"displacement": shapes(name, cells.values)}
+    return grids
 
 
 def _mode_frame(result: Result, mode: int) -> _Frame:

@@ -31,18 +31,6 @@ from scenes.spec.problems import problems
 from scenes.spec.reading import read_scene
 
 
-class Record(BaseModel):
-    """Provenance of a record: command, inputs, versions and the machine."""
-
-    command: str
-    inputs: dict[str, Any]
-    versions: dict[str, str]
-    commit: str
-    machine: dict[str, Any]
-    seconds: float
-    warnings: tuple[Any, ...]
-
-
 class Eigenvalue(BaseModel):
     """Fields of an eigenvalue that are read back from a record."""
 
@@ -69,9 +57,15 @@ class Dofs(BaseModel):
     free: int
 
 
-class RunRecord(Record):
+class RunRecord(BaseModel):
     """Fields of the record of a run (`docs/result_json.md`) that are needed to open it."""
 
+    command: str
+    inputs: dict[str, Any]
+    versions: dict[str, str]
+    commit: str
+    machine: dict[str, Any]
+    seconds: float
     scene: dict[str, Any]
     dofs: Dofs
     timings: dict[str, float]
@@ -82,7 +76,7 @@ class RunRecord(Record):
     stresses: dict[str, dict[str, SideStress]] | None = None
 
 
-PROVENANCE = tuple(Record.model_fields)
+PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
 """Fields of every record; all others are data of its command."""
 RUN = "run"
 """Value of ``command`` in the record of a run."""

@@ -265,8 +265,7 @@ class Result:
 
     def images(self, modes: Sequence[int]) -> Iterator["Image"]:
         """Yield images of modes by index on rank 0; nothing on others; collective at the start."""
-        from scenes.pictures.drawing import SUBDIVISIONS, draw_mode  # imports pyvista
-        from scenes.pictures.grids import outside
+        from scenes.results.pictures import SUBDIVISIONS, draw_mode, outside  # imports pyvista
 
         cells = {name: body.space.volume_cells() for name, body in self.bodies.items()}
         shapes = {
@@ -285,7 +284,7 @@ class Result:
 
         Rank 0 writes the files ``mode_<backend>_<number of the mode>.png``.
         """
-        from scenes.pictures.drawing import png  # imports pyvista
+        from scenes.results.pictures import png  # imports pyvista
 
         modes = self.most_unstable(count)
         files = [out / f"mode_{self.scene.backends}_{mode + 1}.png" for mode in modes]

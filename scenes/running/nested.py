@@ -9,10 +9,10 @@ from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import of_body, of_system
 from scenes.building.build import made_of
 from scenes.checking.memory import factors_of
-from scenes.refinement import richer_scene
 from scenes.results.result import Result
 from scenes.running.run import coupled, run_modes
 from scenes.spec.reading import Scene
+from scenes.spec.refinement import richer_scene
 
 
 def estimate_errors(

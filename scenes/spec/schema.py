@@ -11,6 +11,7 @@ from inspect import cleandoc
 from typing import Any, Literal
 
 from pydantic import TypeAdapter
+from pydantic.json_schema import GenerateJsonSchema
 
 from scenes.spec.matrices import MatrixScene
 from scenes.spec.reading import Scene
@@ -30,27 +31,23 @@ def schema_text(kind: Kind) -> str:
 def scene_schema(kind: Kind) -> dict[str, Any]:
     """Return the schema of a kind of scene, with descriptions of sections and fields."""
     made = _KINDS[kind]
-    schema = TypeAdapter(made).json_schema()
+    schema = TypeAdapter(made).json_schema(schema_generator=_WithoutNull)
     schema["description"] = cleandoc(made.__doc__ or "")
     schema["title"] = f"scene of {kind}"
     for section in (schema, *schema.get("$defs", {}).values()):
         _document(section)
-    return {"$schema": _DIALECT, **_without_null(schema)}
+    return {"$schema": _DIALECT, **schema}
 
 
-def _without_null(node: Any) -> Any:
-    """Return a schema without null, which TOML does not have: such fields are left out."""
-    if isinstance(node, list):
-        return [_without_null(part) for part in node]
-    if not isinstance(node, dict):
-        return node
-    node = {name: _without_null(part) for name, part in node.items()}
-    if "anyOf" in node:
-        forms = [form for form in node.pop("anyOf") if form != {"type": "null"}]
-        node |= {"anyOf": forms} if len(forms) > 1 else forms[0]
-    if node.get("default", ...) is None:
-        del node["default"]
-    return node
+class _WithoutNull(GenerateJsonSchema):
+    """Schemas without null, which TOML does not have: such fields are left out."""
+
+    def nullable_schema(self, schema: Any) -> dict[str, Any]:
+        return self.generate_inner(schema["schema"])
+
+    def default_schema(self, schema: Any) -> dict[str, Any]:
+        found = super().default_schema(schema)
+        return {key: value for key, value in found.items() if (key, value) != ("default", None)}
 
 
 def _document(section: dict[str, Any]) -> None:

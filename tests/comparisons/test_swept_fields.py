@@ -12,8 +12,7 @@ from comparisons.sweep.page import values
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import NoMapError, mapped
 from scenes import load_scene, run_modes
-from scenes.running.assembled import AssembledScene
-from scenes.running.assembled import parameters_meant
+from scenes.running.assembled import AssembledScene, parameters_meant
 from scenes.spec.plain import scene_text
 
 PRESSURE = "loads.0.pressure"

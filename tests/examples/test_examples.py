@@ -23,8 +23,8 @@ from examples import (
     which_formulation,
 )
 from scenes import assemble
-from scenes.refinement import has_singular_edges
 from scenes.spec.reading import load_scene
+from scenes.spec.refinement import has_singular_edges
 
 ROOT = Path(__file__).parents[2]
 SAME = 1e-8

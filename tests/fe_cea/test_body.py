@@ -25,8 +25,8 @@ from fe_cea.cell_location import Cells
 from meshes.shape_mesh import shape_mesh
 from meshes.unstructured import gmsh_session, read_gmsh
 from scenes.building.build import build_bodies
-from scenes.refinement import Resolution, refined
 from scenes.spec.reading import load_scene
+from scenes.spec.refinement import Resolution, refined
 
 RNG = np.random.default_rng(5)
 

@@ -16,7 +16,7 @@ from cea.errors import InputError
 from scenes import assemble, inspect_scene, load_scene, read_scene, run_modes, run_scene, run_static
 from scenes.checking import memory
 from scenes.checking.skipped import GIVEN, skipped_by
-from scenes.pictures.scene import draw_scene
+from scenes.results.pictures import draw_scene
 
 
 def scene_of(base, backend, *changes):
@@ -106,7 +106,13 @@ def test_a_scene_tells_exactly_what_it_does_not_need(backend, changes, skipped, 
         assert set(found) - given == skipped
 
 
-UNUSED = {"meshes.files.reading", "scenes.matrices", "scenes.export", "scenes.pictures", "pyvista"}
+UNUSED = {
+    "meshes.files.reading",
+    "scenes.matrices",
+    "scenes.export",
+    "scenes.results.pictures",
+    "pyvista",
+}
 """What modes of a disc and a pad at a given stiffness have no use for."""
 PROGRAM = """
 import sys; sys.argv = ['cea', 'run', 'disc_pad', *sys.argv[1:]]

@@ -15,7 +15,7 @@ from cea.timing import StageTimer
 from scenes import load_scene, read_scene, run_scene
 from scenes.building.build import build_bodies
 from scenes.export.paraview import write_paraview
-from scenes.pictures.grids import outside, sharp_edges
+from scenes.results.pictures import outside, sharp_edges
 
 
 @pytest.fixture(scope="module", params=["fe", "iga"])

@@ -5,7 +5,8 @@ import pytest
 
 from cea.errors import InputError
 from scenes import SceneError, load_scene, read_scene, scene_names
-from scenes.refinement import (
+from scenes.spec.plain import plain_data, scene_text
+from scenes.spec.refinement import (
     Resolution,
     by_direction,
     has_singular_edges,
@@ -13,7 +14,6 @@ from scenes.refinement import (
     refined,
     singular_edges,
 )
-from scenes.spec.plain import plain_data, scene_text
 
 DISC_PAD = load_scene("disc_pad")
 

@@ -1,1 +1,0 @@
-"""Grids of bodies and contacts for pyvista, and pictures of modes and scenes."""
