@@ -76,9 +76,8 @@ def _read(scene: MatrixScene) -> dict[str, Piece]:
         matrix, labels = read_matrix(file, variable, field=f"files.{name}")
         size = matrix.shape[0]
         first = first or (name, size, labels)
-        if size != first[1]:
-            allowed = f"{first[1]} rows, like files.{first[0]}"
-            raise InputError(f"files.{name}", f"{size} rows in {scene.files[name]}", allowed)
+        allowed = f"{first[1]} rows, like files.{first[0]}"
+        require(size == first[1], f"files.{name}", f"{size} rows in {scene.files[name]}", allowed)
         if not np.array_equal(labels, first[2]):  # type: ignore[arg-type]  # None equals None
             allowed = f"rows of the same nodes and degrees of freedom as files.{first[0]}"
             raise InputError(f"files.{name}", scene.files[name], allowed)

@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory, TemporaryFile
 from typing import Any
 
-from cea.errors import InputError, WriteError
+from cea.errors import InputError, WriteError, require
 from cea.files import write_whole
 
 MANIFEST = "manifest.json"
@@ -59,8 +59,8 @@ def check_out(out: Path, name: str = "out") -> dict[str, Any] | None:
         found = read_record(out / RESULT)
     except InputError:
         found = {}
-    if not set(PROVENANCE) <= found.keys():
-        raise InputError(name, str(out), f"a folder without a {RESULT} of another program")
+    ours = set(PROVENANCE) <= found.keys()
+    require(ours, name, str(out), f"a folder without a {RESULT} of another program")
     return found
 
 
@@ -71,9 +71,9 @@ def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> N
         return
     stored = {**(found.get("inputs") or {}), "command": found["command"]}
     for name, value in {"command": "run", **{key: inputs.get(key) for key in _WHOSE}}.items():
-        if stored.get(name) != value:
-            allowed = f"a folder without a result of another {name}, {stored.get(name)!r}"
-            raise InputError("out", str(out), f"{allowed}; --overwrite replaces it")
+        allowed = f"a folder without a result of another {name}, {stored.get(name)!r}"
+        same = stored.get(name) == value
+        require(same, "out", str(out), f"{allowed}; --overwrite replaces it")
 
 
 @contextmanager

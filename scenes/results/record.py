@@ -197,8 +197,7 @@ def record(
 ) -> dict[str, Any]:
     """Return the record of a command: its data with the provenance."""
     taken = [name for name in data if name in PROVENANCE]
-    if taken:
-        raise InputError("data", taken, f"other names than {', '.join(PROVENANCE)}")
+    require(not taken, "data", taken, f"other names than {', '.join(PROVENANCE)}")
     return {
         "command": command,
         "inputs": dict(inputs),

@@ -12,7 +12,7 @@ from cea.body.body import free_operator
 from cea.eigen.block_products import times
 from cea.eigen.multipliers import with_unformed
 from cea.eigen.pencil import Pencil, Term
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.matrices import destroy, local_part, scaled_total
 from cea.petsc import PETSc
 from cea.ranks import local_rows
@@ -61,8 +61,7 @@ def _trace(
 ) -> tuple[str, csr_array | None]:
     """Return the body of a place, and the values of its basis functions at the points."""
     body, _, name = place.partition(".")
-    if body not in system.bodies:
-        raise InputError("place", place, f"one of {', '.join(system.bodies)}")
+    require(body in system.bodies, "place", place, f"one of {', '.join(system.bodies)}")
     if not name and not isinstance(at, SurfaceCoordinates):
         return body, at
     surfaces = system.bodies[body].surfaces
@@ -76,8 +75,8 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
     """Return the matrices of :meth:`scenes.results.result.Result.matrices`; collective."""
     for contact in system.contacts:
         name = f"contacts.{contact.pair}.P"
-        if not values.get(name, 0.0) < inf:
-            raise InputError(name, values[name], "finite for matrices")
+        stiffness = values.get(name, 0.0)
+        require(stiffness < inf, name, stiffness, "finite for matrices")
     pencil, comm = system.pencil(eliminate=True), system.template.comm.tompi4py()
     has_mass = any(term.role == "mass" for term in pencil.terms)
     names = ("K", "M", "K_n", "K_f") if has_mass else ("K", "K_n", "K_f")

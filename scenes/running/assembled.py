@@ -238,9 +238,9 @@ class AssembledScene:
             if grows:
                 break
             low = high
-        if low == high:  # a mode grows at ``real``, or none does
-            allowed = f"a value such that a mode begins to grow between {real:g} and it"
-            raise InputError("flutter", flutter, allowed)
+        begins = low != high  # else a mode grows at ``real``, or none does
+        allowed = f"a value such that a mode begins to grow between {real:g} and it"
+        require(begins, "flutter", flutter, allowed)
         while abs(high - low) > _RESOLVED * abs(high):
             middle = 0.5 * (low + high)
             between, grows = at(middle)

@@ -15,7 +15,7 @@ from math import prod
 from typing import Any, Literal, get_args
 
 from cea.contact.formulations import Mortar
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.mesh import SIMPLICES
 from meshes.breaks import CLOSED, breaks_of, fewest, layered
 from meshes.edge_layers import RATIO, fit
@@ -57,8 +57,7 @@ class Resolution:
     file_degree: int | None = None  # on the cells of mesh files; None for the default degree
 
     def __post_init__(self) -> None:
-        if not self.density > 0:
-            raise InputError("density", self.density, "greater than 0")
+        require(self.density > 0, "density", self.density, "greater than 0")
 
 
 def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:
@@ -118,8 +117,8 @@ def richer_scene(scene: Scene, by: Enrichment | None = "degree") -> Scene:
     InputError
         If a degree is already the highest, or the mesh to bisect has no numbers of elements.
     """
-    if by not in (None, *get_args(Enrichment)):
-        raise InputError("by", by, " or ".join(map(repr, get_args(Enrichment))))
+    known = get_args(Enrichment)
+    require(by is None or by in known, "by", by, " or ".join(map(repr, known)))
     bodies = scene.bodies.items()
     enriched = {name: _enriched(f"bodies.{name}.mesh", body, by) for name, body in bodies}
     return replace(scene, bodies=enriched)
@@ -135,12 +134,10 @@ def _enriched(field: str, body: BodySpec, by: Enrichment | None) -> BodySpec:
             by = "bisection"
     if by == "smooth" and body.backend == "fe":
         raise InputError("by", by, "'degree' or 'bisection' for Lagrange elements")
-    if by != "bisection" and degree >= highest:
-        allowed = f"below {highest} to be raised; bisect elements instead"
-        raise InputError(f"{field}.degree", degree, allowed)
+    allowed = f"below {highest} to be raised; bisect elements instead"
+    require(by == "bisection" or degree < highest, f"{field}.degree", degree, allowed)
     if mesh is None:
-        if by != "degree":
-            raise InputError(field, by, "'degree': cells of a mesh file cannot be bisected")
+        require(by == "degree", field, by, "'degree': cells of a mesh file cannot be bisected")
         return replace(body, mesh=replace(body.mesh, degree=degree + 1))
     finer: FeMesh | IgaMesh
     if by == "bisection":

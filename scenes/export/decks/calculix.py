@@ -54,7 +54,7 @@ from scenes.export.decks.model import (
 )
 from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
-from scenes.spec.problems import SceneError
+from scenes.spec.problems import Faults
 from scenes.spec.reading import Scene
 
 _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
@@ -86,13 +86,10 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
     SceneError that names all fields that a deck cannot represent.
     """
     require(modes >= 1, "modes", modes, "1 or more")
-    faults = [
-        InputError(field, value, f"{allowed} for a deck")
-        for field, value, wrong, allowed in _claims(scene)
-        if wrong
-    ]
-    if faults:
-        raise SceneError(faults)
+    faults = Faults()
+    for field, value, wrong, allowed in _claims(scene):
+        faults.require(not wrong, field, value, f"{allowed} for a deck")
+    faults.refuse()
     name = file_name(scene.name)
     files = [folder / f"{name}_{kind}.inp" for kind in ("model", "calculix")]
     for file in files:
@@ -273,17 +270,15 @@ def _moving_bodies(
     for name, contact in sliding.items():
         direction, field = contact.friction_direction_on_a, f"contacts.{name}"
         (owner, surface), (body, _) = contact.sides
-        if body in resting:
-            allowed = "a body that is side b of every contact with friction, or of none"
-            raise InputError(f"{field}.b", contact.b, allowed)
+        allowed = "a body that is side b of every contact with friction, or of none"
+        require(body not in resting, f"{field}.b", contact.b, allowed)
         field = f"{field}.friction_direction_on_a"
         if not isinstance(direction, AlongVector | Circumferential):
             allowed = "a vector, or circumferential: that of a rigid motion"
             raise InputError(field, direction, allowed)
         before = motions.get(body)
-        if before is not None and before.direction != direction:
-            allowed = f"the same for all contacts of which {body} is side b"
-            raise InputError(field, direction, allowed)
+        same = before is None or before.direction == direction
+        require(same, field, direction, f"the same for all contacts of which {body} is side b")
         motion = RigidMotion(direction)
         if isinstance(direction, Circumferential):
             x = bodies[owner].points[bodies[owner].nodes_of(surface)]
@@ -294,9 +289,9 @@ def _moving_bodies(
             points = surfaces[side].gauss_points(2)
             velocity = motion.at(points.x)
             across = np.abs(np.einsum("ij,ij->i", points.normal, velocity))
-            if (across > _TANGENT * np.linalg.norm(velocity, axis=1)).any():
-                allowed = f"tangential to {side} everywhere, so that the sides stay in contact"
-                raise InputError(field, direction, allowed)
+            tangential = bool((across <= _TANGENT * np.linalg.norm(velocity, axis=1)).all())
+            allowed = f"tangential to {side} everywhere, so that the sides stay in contact"
+            require(tangential, field, direction, allowed)
     return motions
 
 
