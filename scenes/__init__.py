@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from scenes.running.assembled import assemble as assemble
     from scenes.running.matrices import AssembledMatrices as AssembledMatrices
     from scenes.running.matrices import run_matrices as run_matrices
-    from scenes.running.nested import estimate_errors as estimate_errors
+    from scenes.running.run import estimate_errors as estimate_errors
     from scenes.running.run import run_modes as run_modes
     from scenes.running.run import run_scene as run_scene
     from scenes.running.run import run_static as run_static
@@ -39,8 +39,7 @@ _OWNERS = {
     "scenes.results.result": ("Result",),
     "scenes.running.assembled": ("AssembledScene", "assemble"),
     "scenes.running.matrices": ("AssembledMatrices", "run_matrices"),
-    "scenes.running.nested": ("estimate_errors",),
-    "scenes.running.run": ("run_modes", "run_scene", "run_static"),
+    "scenes.running.run": ("estimate_errors", "run_modes", "run_scene", "run_static"),
     "scenes.spec.plain": ("scene_names",),
     "scenes.spec.matrices": ("MatrixScene", "load_matrices", "read_matrix_scene"),
     "scenes.spec.problems": ("SceneError",),

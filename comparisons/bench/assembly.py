@@ -23,8 +23,7 @@ from comparisons.study.sections import Column, Plot, Section, Table
 from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from meshes.shapes import Box
 from scenes.building.build import build_body
-from scenes.spec.body import BodySpec
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
 
 import ufl  # isort: skip
 from dolfinx.fem import form, functionspace  # isort: skip

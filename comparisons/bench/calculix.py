@@ -35,7 +35,7 @@ from fe_cea import LagrangeSpace
 from scenes import run_modes
 from scenes.building.build import body_mesh
 from scenes.export.decks.calculix import write_deck
-from scenes.spec.mesh import FeMesh, MeshSpec
+from scenes.spec.body import FeMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene
 
 MASS_QUADRATURE = 2

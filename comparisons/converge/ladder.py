@@ -20,7 +20,7 @@ from comparisons.study.session import Progress
 from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
 from scenes.checking.memory import check_memory, dofs_of
-from scenes.running.nested import estimate_errors
+from scenes.running.run import estimate_errors
 from scenes.spec.body import Backend
 from scenes.spec.reading import Scene
 from scenes.spec.refinement import (

@@ -26,7 +26,7 @@ from comparisons.paper.figure import BACKENDS, Figure, Mesh, Row, Tables, sector
 from comparisons.study.session import Session
 from meshes.shapes import Crowned, Sector
 from scenes import Result
-from scenes.spec.mesh import MeshSpec
+from scenes.spec.body import MeshSpec
 from scenes.spec.reading import Scene, load_scene
 
 CONTACT, PAD, DISC = "pad_disc", "pad", "disc"

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from cea.contact.formulations import Form, Formulation, GaussPointToSurface, Greville, Grid
 from comparisons.paper.figure import BACKENDS, MOST_LAGRANGE, Mesh, as_lagrange
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene
 
 DISC, PAD = "disc", "pad"

@@ -34,7 +34,7 @@ from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
 from scenes.building.build import build_bodies, half_passes
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, StaticAnalysis, load_scene
 
 EXACT = -1000.0  # normal stress on the interface (N/m^2)

@@ -34,7 +34,7 @@ from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
 from scenes.checking.warnings import Warnings, left_alone, warning
-from scenes.spec.mesh import IgaMesh
+from scenes.spec.body import IgaMesh
 from scenes.spec.reading import Scene
 
 _STRAIN = 0.1

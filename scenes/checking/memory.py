@@ -22,8 +22,7 @@ from cea.errors import InputError, ResultWarning
 from cea.petsc import MPI, give_back
 from meshes.mesh_file import MeshFile
 from meshes.patches import NurbsFile, Patches
-from scenes.spec.body import BodySpec
-from scenes.spec.mesh import FeMesh
+from scenes.spec.body import BodySpec, FeMesh
 from scenes.spec.reading import Scene
 
 _MATRICES, _ENTRY = 4, 12

@@ -1,4 +1,4 @@
-"""Runs of scenes: complex eigenvalue analyses and static analyses.
+"""Runs of scenes: complex eigenvalue analyses with error estimates, and static analyses.
 
 The coupled system is linearised about steady sliding if a contact has a law.
 """
@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 from cea.body import Body
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.errors import InputError, ResultWarning
+from cea.eigen.pencil import release
+from cea.errors import InputError, ResultWarning, require
+from cea.matrices import destroy
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from scenes.building.build import build_bodies, build_contacts, build_system
+from scenes.building.build import build_bodies, build_contacts, build_system, made_of
 from scenes.checking.memory import check_memory, factors_of, in_memory_or_on_disk
 from scenes.checking.resolution import short_modes
 from scenes.checking.skipped import skipped_by
@@ -23,6 +25,7 @@ from scenes.results.result import Result
 from scenes.spec.reading import Scene, StaticAnalysis
 
 if TYPE_CHECKING:
+    from cea.nested.estimate import ErrorEstimate
     from scenes.spec.matrices import MatrixScene
 
 STATE_KEPT = "steady-state-kept"
@@ -182,6 +185,61 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
         coupled=system,
         solution=x,
     )
+
+
+def estimate_errors(
+    result: Result,
+    richer: Scene | None = None,
+    *,
+    steps: int = 2,
+    listener: Callable[[str], None] | None = None,
+) -> "ErrorEstimate":
+    """Estimate the errors of the eigenvalues of a scene in a richer space; collective.
+
+    If left eigenvectors are needed and missing, the scene is solved again with them; compute them
+    with ``run_modes(scene, left=True)`` to avoid this. The estimate needs one factorisation of the
+    richer scene, and in each step a block of solves for the right and one for the left vectors, but
+    no eigensolution (:mod:`cea.nested.estimate`). A better contact rule in the richer scene counts.
+
+    Parameters
+    ----------
+    result
+        Modes of the scene.
+    richer
+        A richer scene; by default that with a degree more (:func:`scenes.richer_scene`).
+    steps
+        Number of block inverse iterations; one does not give an estimate of the remaining error.
+    listener
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    InputError
+        If there are no modes, or the scenes have different bodies.
+    """
+    from cea.nested.estimate import error_estimate
+    from cea.nested.prolongation import of_body, of_system
+    from scenes.spec.refinement import richer_scene
+
+    scene = richer if richer is not None else richer_scene(result.scene)
+    own, names = result.scene, list(scene.bodies)
+    allowed = f"those of the coarse scene: {', '.join(own.bodies)}"
+    require(names == list(own.bodies), "bodies", names, allowed)
+    one_sided = own.damped or own.rotates or own.has_friction
+    if one_sided and result.modes.left is None and len(result.modes):
+        result = run_modes(own, left=True, bodies=result.bodies, listener=listener)
+    same = {n: b for n, b in result.bodies.items() if made_of(own, n) == made_of(scene, n)}
+    system, timer = coupled(scene, bodies=same, listener=listener)
+    with timer("assembly"):
+        matrices = system.pencil().at()
+        bodies = system.bodies.items()
+        step = of_system([of_body(result.bodies[name], body) for name, body in bodies])
+    try:
+        with timer("krylov"), factors_of(scene):
+            return error_estimate(result.modes, matrices, step, steps=steps)
+    finally:
+        destroy(step)
+        release(matrices)
 
 
 def coupled(scene: Scene, **options: Unpack[RunOptions]) -> tuple[CoupledSystem, StageTimer]:

@@ -17,9 +17,8 @@ from meshes.breaks import breaks_of
 from meshes.edge_layers import check_room, run_along
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.spec.body import BodySpec
+from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
 from scenes.spec.contact import ContactSpec, suits
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.plain import leaves
 from scenes.spec.problems import Faults
 

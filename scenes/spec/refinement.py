@@ -23,10 +23,9 @@ from meshes.mesh_file import MeshFile
 from meshes.placement import Placement
 from meshes.shapes import Hub, Shape
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.spec.body import Backend, BodySpec
+from scenes.spec.body import Backend, BodySpec, FeMesh, IgaMesh, MeshSpec
 from scenes.spec.consistency import consistent
 from scenes.spec.contact import ContactSpec
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene
 
 _COMPONENTS = {"r": ("radial",), "theta": ("circumferential",), "z": ("z", "axial")}

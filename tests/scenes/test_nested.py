@@ -17,7 +17,7 @@ from cea.errors import InputError
 from comparisons.converge.bars import splitting
 from exact_cea.reference import exact_eigenvalues
 from scenes import run_modes
-from scenes.running.nested import estimate_errors
+from scenes.running.run import estimate_errors
 from scenes.spec.reading import load_scene, read_scene
 from scenes.spec.refinement import richer_scene
 
