@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 
@@ -102,10 +103,9 @@ def build_body(
 def used_surfaces(scene: Scene, body: str) -> list[str]:
     """Return the surfaces of a body that supports, springs, loads and contacts use."""
     spec = scene.bodies[body]
-    used = [support.surface for support in spec.supports]
-    used += [spring.surface for spring in spec.springs]
-    applied = [load.applied.surface for load in scene.loads if load.on == body]
-    used += [surface for surface in applied if surface is not None]
+    loads = [load.applied for load in scene.loads if load.on == body]
+    acting: tuple[Any, ...] = (*spec.supports, *spec.springs, *loads)
+    used = [each.surface for each in acting if each.surface is not None]
     for contact in scene.contacts.values():
         used += [surface for name, surface in contact.sides if name == body]
     return list(dict.fromkeys(used))

@@ -164,7 +164,7 @@ def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
     names = dict.fromkeys(name for pair in pairs for name in pair)  # in one order on all ranks
     samples = {name: bodies[name].space.volume_cells().straight() for name in names}
     for one, other in pairs:
-        counted = partial(_middles_inside, samples[one], samples[other])
+        counted = partial(_overlap, samples[one], samples[other])
         cells = bodies[one].comm.bcast(made_on_first(bodies[one].comm, counted))
         if cells:
             told = "bodies.{body} and bodies.{other} overlap by {elements} elements, and no "
@@ -172,7 +172,8 @@ def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
             yield warning("bodies-overlap", told, body=one, other=other, elements=cells)
 
 
-def _middles_inside(one: VolumeCells, other: VolumeCells) -> int:
+def _overlap(one: VolumeCells, other: VolumeCells) -> int:
+    """Count the cells of either body whose midpoint is inside the other."""
     return _inside(one, other) + _inside(other, one)
 
 

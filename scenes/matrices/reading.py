@@ -49,11 +49,6 @@ class Piece:
     # matrices on rank 0 and None on other ranks before they are distributed
     parts: tuple[tuple[Any, bool], ...]
 
-    def plain(self) -> dict[str, Any]:
-        """Return its size, entries and symmetry as plain data."""
-        counts = {"size": self.size, "entries": self.entries}
-        return {**counts, "symmetry": self.symmetry, "asymmetry": self.asymmetry}
-
 
 def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Piece]:
     """Read and distribute the matrices of a scene; collective."""

@@ -48,7 +48,8 @@ def _described_run(result: Any) -> dict[str, Any]:
         "skipped": dict(result.skipped),
     }
     if result.pieces:
-        return data | {"matrices": {name: piece.plain() for name, piece in result.pieces.items()}}
+        facts, pieces = ("size", "entries", "symmetry", "asymmetry"), result.pieces.items()
+        return data | {"matrices": {name: _picked(piece, *facts) for name, piece in pieces}}
     data["dofs"]["bodies"] = {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()}
     data["contacts"] = {name: _interface(each) for name, each in result.interfaces.items()}
     if result.system.steady is not None:

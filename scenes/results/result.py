@@ -173,14 +173,6 @@ class Result:
         order = np.argsort(-self.growth_rates[unstable], kind="stable")
         return unstable[order][:count].tolist()
 
-    def index(self, mode: int | None = None) -> int:
-        """Return the index, from 0, of a mode number, from 1; by default the most unstable mode."""
-        if mode is None and len(self.modes):
-            return self.most_unstable(1)[0]
-        if mode is None or not 1 <= mode <= len(self.modes):
-            raise InputError("mode", mode, f"the number of a mode, from 1 to {len(self.modes)}")
-        return int(mode) - 1
-
     def title(self, index: int) -> str:
         """Return the title of a mode: backend, number from 1, frequency and growth rate."""
         begin = f"{backend_name(self.scene.backends)}, mode {index + 1}: "
@@ -261,7 +253,12 @@ class Result:
         Modes are numbered from 1 as in :meth:`table`; other numbers raise an InputError. Returns a
         PIL image on rank 0, and None on other ranks.
         """
-        return next(self.images([self.index(mode)]), None)
+        count = len(self.modes)
+        if mode is None and count:
+            mode = self.most_unstable(1)[0] + 1
+        if mode is None or not 1 <= mode <= count:
+            raise InputError("mode", mode, f"the number of a mode, from 1 to {count}")
+        return next(self.images([int(mode) - 1]), None)
 
     def images(self, modes: Sequence[int]) -> Iterator["Image"]:
         """Yield images of modes by index on rank 0; nothing on others; collective at the start."""
