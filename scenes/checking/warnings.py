@@ -22,6 +22,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.body.space import VolumeCells
 from cea.contact.contact import Contact
+from cea.contact.friction import Circumferential
 from cea.contact.sampling import nested, sampling
 from cea.errors import ResultWarning
 from cea.expressions import evaluate
@@ -251,9 +252,7 @@ def _faster_than_waves(scene: Scene, bodies: Bodies) -> Warnings:
 def _velocity(rotation: Rotation | None, x: Floats) -> Floats:
     if rotation is None:
         return np.zeros_like(x)
-    dim = x.shape[1]
-    arm = x - np.asarray(rotation.origin[:dim])
-    return np.asarray(rotation.rate * arm @ rotation.spin(dim).T)
+    return rotation.rate * Circumferential(rotation.axis, rotation.origin).at(x)
 
 
 OF_BODIES: list[Callable[[Scene, Bodies], Warnings]] = [

@@ -30,7 +30,6 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Floats
 from cea.contact.friction import AlongVector, Circumferential
 from cea.errors import InputError, require
 from cea.files import check_writable, write_whole
@@ -64,6 +63,9 @@ _UNWRITTEN = "left out, because it cannot be exported,"
 
 _Claim = tuple[str, Any, Any, str]
 """A field, its value, whether it is wrong, and what is allowed."""
+
+Motion = tuple[AlongVector | Circumferential, float]
+"""Field of a rigid motion, and its least speed at the nodes of the sides a that it slides on."""
 
 _CLOSURE = 1e-12
 """Closure, relative to the size of the bodies: slip is then small and rounding of coordinates is
@@ -242,29 +244,13 @@ def _contact_lines(contacts: list[DeckContact], closure: float) -> Iterator[str]
         yield keyword("CLEARANCE", MASTER=each.master, SLAVE=each.slave, VALUE=overlap)
 
 
-@dataclass(frozen=True)
-class RigidMotion:
-    """A rigid body velocity: a unit translation, or a rotation with unit speed at ``radius``."""
-
-    direction: AlongVector | Circumferential
-    radius: float = 1.0
-
-    def at(self, x: Floats) -> Floats:
-        """Return the velocities at points, (n, 3)."""
-        direction = self.direction
-        if isinstance(direction, AlongVector):
-            return np.broadcast_to(_unit(direction.vector), x.shape)
-        axis = _unit(direction.circumferential_about)
-        return np.cross(axis, x - np.asarray(direction.origin)) / self.radius
-
-
 def _moving_bodies(
     contacts: Mapping[str, ContactSpec],
     bodies: Mapping[str, DeckBody],
     surfaces: Mapping[str, Surface],
-) -> dict[str, RigidMotion]:
+) -> dict[str, Motion]:
     """Return the motions of the moving bodies, by name; all others are at rest."""
-    motions: dict[str, RigidMotion] = {}
+    motions: dict[str, Motion] = {}
     sliding = {name: contact for name, contact in contacts.items() if contact.mu}
     resting = {contact.sides[0][0] for contact in sliding.values()}
     for name, contact in sliding.items():
@@ -277,17 +263,14 @@ def _moving_bodies(
             allowed = "a vector, or circumferential: that of a rigid motion"
             raise InputError(field, direction, allowed)
         before = motions.get(body)
-        same = before is None or before.direction == direction
+        same = before is None or before[0] == direction
         require(same, field, direction, f"the same for all contacts of which {body} is side b")
-        motion = RigidMotion(direction)
-        if isinstance(direction, Circumferential):
-            x = bodies[owner].points[bodies[owner].nodes_of(surface)]
-            radius = float(np.linalg.norm(motion.at(x), axis=1).min())
-            motion = RigidMotion(direction, min(radius, before.radius if before else np.inf))
-        motions[body] = motion
+        x = bodies[owner].points[bodies[owner].nodes_of(surface)]
+        slowest = float(np.linalg.norm(direction.at(x), axis=1).min())
+        motions[body] = direction, min(slowest, before[1] if before else slowest)
         for side in (contact.a, contact.b):
             points = surfaces[side].gauss_points(2)
-            velocity = motion.at(points.x)
+            velocity = direction.at(points.x)
             across = np.abs(np.einsum("ij,ij->i", points.normal, velocity))
             tangential = bool((across <= _TANGENT * np.linalg.norm(velocity, axis=1)).all())
             allowed = f"tangential to {side} everywhere, so that the sides stay in contact"
@@ -298,7 +281,7 @@ def _moving_bodies(
 def _step_lines(
     bodies: Mapping[str, DeckBody],
     contacts: list[DeckContact],
-    motions: Mapping[str, RigidMotion],
+    motions: Mapping[str, Motion],
     closure: float,
     modes: int,
 ) -> Iterator[str]:
@@ -310,7 +293,8 @@ def _step_lines(
         slip = _BEYOND * _MORE_FRICTION * largest / _STICK
         for name, body in bodies.items():
             if name in motions:
-                yield from _displacement_lines(body, slip * motions[name].at(body.points))
+                direction, slowest = motions[name]
+                yield from _displacement_lines(body, slip / slowest * direction.at(body.points))
             else:
                 yield f"{name}, 1, 3"
         for each in contacts:
@@ -337,8 +321,3 @@ def _displacement_lines(body: DeckBody, vectors: np.ndarray) -> list[str]:
     values = vectors.ravel() + 0.0  # no negative zeros
     rows = np.column_stack([nodes, components, components, values])
     return table(rows, "%d,%d,%d,%.13E")
-
-
-def _unit(vector: tuple[float, ...]) -> Floats:
-    direction = np.asarray(vector, dtype=float)
-    return direction / np.linalg.norm(direction)
