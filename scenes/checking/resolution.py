@@ -1,7 +1,6 @@
 """Warning for modes whose wavelengths are too short for the elements of a contact."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from math import factorial, pi
 
 import numpy as np
@@ -24,23 +23,19 @@ _STILL = 0.1
 _NYQUIST = 0.8
 """Largest resolved phase, relative to the Nyquist limit of one basis function per half wave."""
 
-Shapes = Callable[[SurfaceCoordinates], Complexes]
-"""Function that returns the displacements of all modes at points of a surface, (n, dim, modes)."""
+Shapes = Callable[[str, SurfaceCoordinates], Complexes]
+"""Displacements of all modes at points of a surface "body.surface", (n, dim, modes)."""
 
 
 def short_modes(
-    scene: Scene,
-    bodies: Mapping[str, Body],
-    shapes: Callable[[str, SurfaceCoordinates], Complexes],
-    count: int,
+    scene: Scene, bodies: Mapping[str, Body], shapes: Shapes, count: int
 ) -> tuple[ResultWarning, ...]:
     """Warn of modes whose waves are too short for the elements of a contact; collective."""
     short, worst = np.zeros(count, dtype=bool), 0.0
     for spec in scene.contacts.values() if count else ():
         sides = {}
-        for body, surface in spec.sides:
-            of_side = partial(shapes, f"{body}.{surface}")
-            sides[body] = _waves(bodies[body].surfaces[surface], of_side)
+        for body, name in spec.sides:
+            sides[body] = _waves(bodies[body].surfaces[name], f"{body}.{name}", shapes)
         largest = np.max([amplitudes for _, amplitudes in sides.values()], axis=0)
         for body, (phases, amplitudes) in sides.items():
             found = _unresolved(phases, scene.bodies[body])
@@ -54,7 +49,7 @@ def short_modes(
     return (warning("short-modes", told, modes=numbers, elements_per_wave=elements),)
 
 
-def _waves(surface: Surface, shapes: Shapes) -> tuple[Floats, Floats]:
+def _waves(surface: Surface, place: str, shapes: Shapes) -> tuple[Floats, Floats]:
     """Return the largest phase phi per element over the element directions, and the amplitude.
 
     phi^2 = int |du/dxi|^2 / int |u|^2 along the edges of the elements, with xi from 0 to 1 in each
@@ -69,7 +64,7 @@ def _waves(surface: Surface, shapes: Shapes) -> tuple[Floats, Floats]:
         [corners[:, i, None] * (1 - t) + corners[:, i + 1, None] * t for i in range(edges)], axis=1
     )
     element = np.repeat(cells.element, edges * (steps + 1))
-    u = shapes(SurfaceCoordinates(element, points.reshape(-1, edges)))
+    u = shapes(place, SurfaceCoordinates(element, points.reshape(-1, edges)))
     u = u.reshape(*points.shape[:3], *u.shape[1:])  # cells, edges, points, components, modes
     change = steps**2 * _squares(np.diff(u, axis=2))
     size = _squares(0.5 * (u[:, :, 1:] + u[:, :, :-1]))

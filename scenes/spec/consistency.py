@@ -292,14 +292,13 @@ def _contact_checks(
             others = [each for each, kind in registered().items() if suits(kind, body.backend)]
             allowed = f"one of {', '.join(others)} where side {side} has backend {body.backend!r}"
             faults.require(fits, f"{place}.formulation.method", method, allowed)
-    pressure, speed = None, None
-    fields = {"p": contact.p, "mu": contact.mu}
-    if contact.sliding is not None:
-        pressure, speed = contact.sliding.pressure, contact.sliding.speed
-        fields |= {f"sliding.{name}": value for name, value in asdict(contact.sliding).items()}
-        either = (pressure is None) != (contact.c_n is None)
+    sliding, fields = contact.sliding, {"p": contact.p, "mu": contact.mu}
+    if sliding is not None:
+        fields |= {f"sliding.{name}": value for name, value in asdict(sliding).items()}
+        either = (sliding.pressure is None) != (contact.c_n is None)
         allowed = "either the contact pressure (N/m^2) or c_n, with which the loads determine it"
-        faults.require(either, f"{place}.sliding.pressure", pressure, allowed)
+        faults.require(either, f"{place}.sliding.pressure", sliding.pressure, allowed)
+    speed = sliding and sliding.speed
     dims = {body.dim for body in bodies.values()}
     allowed = f"a body of the same dimension as {contact.a}"
     faults.require(len(dims) < 2, f"{place}.b", contact.b, allowed)
