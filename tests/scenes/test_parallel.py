@@ -21,7 +21,7 @@ from cea.petsc import MPI
 from comparisons.cli import app
 from comparisons.study.matching import match_spectrum
 from scenes import run_modes, run_scene
-from scenes.running import system
+from scenes.running import run
 from scenes.spec.plain import checked
 from scenes.spec.reading import Scene, read_scene
 
@@ -262,7 +262,7 @@ def lone_fault(faulty, out):
     sys.argv = ["cea", "run", "patch_test", "--backend", "iga", "--out", out]
     if MPI.COMM_WORLD.rank == faulty:
         fault = RuntimeError("only one rank")
-        system.build_contacts = Mock(side_effect=fault)
+        run.build_contacts = Mock(side_effect=fault)
     with suppress(BaseException), patch.object(app, "_PATIENCE", 0.5):
         app.main()
 
