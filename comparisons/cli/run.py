@@ -132,9 +132,8 @@ def _draw(
         if result.spectrum is not None:
             files["pictures"] += result.draw(output.pictures, folder)
     if output.paraview:
-        from scenes.export.paraview import write_load_steps, write_paraview
+        from scenes.export.paraview import write_paraview
 
         work.stage("files for ParaView")
         files["paraview"] = write_paraview(result, output.paraview, folder)
-        files["paraview"] += write_load_steps(result, folder)
     return {kind: [file.name for file in some] for kind, some in files.items()}

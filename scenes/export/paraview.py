@@ -52,7 +52,9 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     out
         Folder for ``modes.pvd`` (``displacement.pvd`` for a static analysis) with the bodies as
         parts, ``contacts.pvd`` with the contact points if there are any, and a folder of ``.vtu``
-        files for each. Time is the number of the mode.
+        files for each. Time is the number of the mode. With load steps there is
+        ``load_steps.pvd``, whose time is the load factor; its points of contacts with a law have
+        the fields of steady sliding.
 
     Returns
     -------
@@ -80,16 +82,11 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
             gaps = {"gap": _gaps(result, each, modes)}
             grids[each.name] = grid, gaps | _static_pressure(result, each)
         files.append(_write(out / "contacts.pvd", result, frames, grids))
-    return files
+    return files + _load_steps(result, out / "load_steps.pvd")
 
 
-def write_load_steps(result: Result, out: Path) -> list[Path]:
-    """Write the equilibria of all load steps, with cut ones, to ``load_steps.pvd``; collective.
-
-    Bodies have ``displacement`` (m); points of contacts with a law have ``contact pressure``
-    (N/m^2), ``closure`` (m) and ``contact stiffness`` (N/m^3). Time is the load factor. Returns an
-    empty list if the scene has no load steps.
-    """
+def _load_steps(result: Result, file: Path) -> list[Path]:
+    """Write the equilibria of all load steps, with cut ones, if the scene has any; collective."""
     path = result.steady.path if result.steady is not None else ()
     steps = [(s.factor, s.displacement, s.contacts) for s in path if s.displacement is not None]
     if not steps:
@@ -109,7 +106,7 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
         if carried:
             fields = {n: np.stack([each[n] for each in carried], axis=-1) for n in carried[0]}
             grids[contact.name] = _points(contact), fields
-    return [_write(out / "load_steps.pvd", result, frames, grids)]
+    return [_write(file, result, frames, grids)]
 
 
 def _bodies(

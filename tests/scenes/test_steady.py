@@ -17,7 +17,7 @@ from cea.timing import StageTimer
 from comparisons.stability.scenes import sprag
 from scenes import assemble, read_scene, run_modes, run_scene
 from scenes.building.build import build_bodies, build_contacts, build_system
-from scenes.export.paraview import write_load_steps
+from scenes.export.paraview import write_paraview
 
 LAW = {"c_n": 1e2, "m_n": 2.0, "mu": 0.3, "added_gap": "0.2*(x-0.45)**2"}
 MU = "contacts.interface.mu"
@@ -51,7 +51,7 @@ def test_the_history_is_kept(backend):
 
 def test_every_step_is_a_time_in_paraview(backend, tmp_path):
     result = stepped(backend, *STEPS)
-    (file,) = write_load_steps(result, tmp_path)
+    *_, file = write_paraview(result, 1, tmp_path)
     reader = pyvista.get_reader(file)
     assert reader.time_values == STEPS
     for step in result.steady.path:
