@@ -1,6 +1,6 @@
 """CalculiX and this program on the same meshes: each body alone, and both in frictional contact.
 
-The meshes are straight tetrahedra of ten nodes, exported by :mod:`scenes.export.decks`. CalculiX
+The meshes are straight tetrahedra of ten nodes, exported by :mod:`scenes.export.calculix`. CalculiX
 integrates their mass with the four points of the stiffness, which is not exact. This program is run
 with the same mass, to compare the programs, and with the exact mass, to measure that error.
 
@@ -34,7 +34,7 @@ from comparisons.study.study import Case, Session, Study, StudyResult
 from fe_cea import LagrangeSpace
 from scenes import run_modes
 from scenes.building.build import body_mesh
-from scenes.export.decks.calculix import write_deck
+from scenes.export.calculix import write_deck
 from scenes.spec.body import FeMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene
 

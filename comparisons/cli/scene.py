@@ -98,7 +98,7 @@ def export(
 ) -> None:
     """Write a scene of Lagrange elements as an input deck of CalculiX."""
     from comparisons.cli.output import working
-    from scenes.export.decks.calculix import write_deck
+    from scenes.export.calculix import write_deck
     from scenes.spec.reading import load_scene
 
     with working("export"):

@@ -23,7 +23,7 @@ from meshes.mesh_file import METRES, Unit
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Rectangle
 from scenes import Result, run_scene
-from scenes.export.decks.model import keyword, table
+from scenes.export.deck_model import keyword, table
 from scenes.results.record import as_json
 from scenes.running.matrices import run_matrices
 from scenes.running.run import coupled

@@ -8,7 +8,7 @@ from decks import ELEMENTS, P2, alone, body, in_contact, with_calculix
 from comparisons.bench import calculix
 from scenes import read_scene, run_modes
 from scenes.building.build import body_mesh
-from scenes.export.decks.calculix import write_deck
+from scenes.export.calculix import write_deck
 from scenes.spec.problems import SceneError
 
 

@@ -39,7 +39,7 @@ from cea.surface import Surface
 from cea.timing import StageTimer
 from meshes.mesh_file import MeshFile
 from scenes.building.build import build_bodies, used_surfaces
-from scenes.export.decks.model import (
+from scenes.export.deck_model import (
     ELEMENTS,
     DeckBody,
     boundary_lines,
