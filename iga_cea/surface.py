@@ -36,12 +36,9 @@ class NurbsSurface(Surface):
         ends = np.array([[knots[[0, -1]] for knots in face.knots] for face in self.faces])
         return ends[:, :, 0], ends[:, :, 1]
 
-    def cells(self) -> SurfaceCells:
-        """Return the knot spans of all faces."""
-        return self._cells
-
     @cached_property
-    def _cells(self) -> SurfaceCells:
+    def cells(self) -> SurfaceCells:
+        """The knot spans of all faces."""
         elements, corners = [], []
         for number, face in enumerate(self.faces):
             spans = [np.column_stack([breaks[:-1], breaks[1:]]) for breaks in face.breaks]

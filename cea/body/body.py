@@ -234,7 +234,7 @@ class Body:
             if load.surface is None:
                 volume += load.value
                 continue
-            surface, q = self.surfaces[load.surface], self.surfaces[load.surface].cells().degree
+            surface, q = self.surfaces[load.surface], self.surfaces[load.surface].cells.degree
             # On facets of degree q, function times area normal has degree up to 3 q - 1.
             count = (3 * q + 1) // 2 if isinstance(load, Pressure) else q + 1
             points = surface.gauss_points(count)
@@ -250,7 +250,7 @@ class Body:
 
 def _foundation(surface: Surface, spring: Spring) -> csr_array:
     """Return the full matrix of a spring: int k_c phi_m phi_n on the diagonal of component c."""
-    points = surface.gauss_points(surface.cells().degree + 1)
+    points = surface.gauss_points(surface.cells.degree + 1)
     scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
     return csr_array(kron(scaled.T @ scaled, diags_array(np.asarray(spring.stiffness))))
 

@@ -48,7 +48,7 @@ def forces_of_contacts(contacts: Sequence[Contact], stiffness: Floats) -> Iterat
     ``stiffness`` is the diagonal of K of the bodies (N/m), the rows of this rank.
     """
     for name, halves in with_multipliers(contacts).items():
-        made = (_at_points if halves[0].projection is None else _projected)(halves)
+        made = (_at_points if halves[0].traces is None else _projected)(halves)
         closure, slip, compliance = made
         inverse = Coefficient({f"contacts.{name}.P": (1.0, -1.0)})
         if not halves[0].law.linear:

@@ -9,9 +9,8 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
-from cea.contact.friction import Friction
 from cea.contact.interface import default_reach, pair
-from cea.contact.laws import LinearLaw, NormalLaw, Sliding
+from cea.contact.laws import Friction, LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError, require
 from cea.expressions import evaluate
 from cea.mesh import Mesh

@@ -164,7 +164,7 @@ def _closed_zone(x: Floats, closure: Floats) -> tuple[float, Floats, Floats] | N
 
 def _mean_size(surface: Surface, points: Floats, across: Floats) -> float:
     """Return the mean extent (m) along a direction of the elements of a side at points."""
-    cells = surface.cells()
+    cells = surface.cells
     count, corners = cells.corners.shape[:2]
     at = SurfaceCoordinates(
         np.repeat(cells.element, corners), cells.corners.reshape(count * corners, -1)

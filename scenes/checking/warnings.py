@@ -22,7 +22,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.body.space import VolumeCells
 from cea.contact.contact import Contact
-from cea.contact.sampling import nested, sampling
+from cea.contact.interface import nested, sampling
 from cea.errors import ResultWarning
 from cea.expressions import evaluate
 from cea.motion import Rotation

@@ -25,9 +25,8 @@ from cea.contact.formulations import (
     NodeToSurface,
     Segments,
 )
-from cea.contact.friction import AlongVector, Friction
 from cea.contact.interface import default_reach, pair
-from cea.contact.laws import LinearLaw
+from cea.contact.laws import AlongVector, Friction, LinearLaw
 from cea.eigen.driver import solve_modes
 from cea.material import IsotropicMaterial
 from cea.mesh import facet_nodes

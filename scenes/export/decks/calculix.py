@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats
-from cea.contact.friction import AlongVector, Circumferential
+from cea.contact.laws import AlongVector, Circumferential
 from cea.errors import InputError
 from cea.surface import Surface
 from scenes.export.decks.model import (
