@@ -15,7 +15,6 @@ from cea.mesh import Mesh, reference_nodes
 from meshes.files.gmsh import arrays_of_model, content_of
 from meshes.files.part import body_mesh, part_of
 from meshes.files.surfaces import surface_faces
-from meshes.shape_mesh import simplex_changes
 from meshes.shapes import (
     Box,
     Hub,
@@ -26,6 +25,7 @@ from meshes.shapes import (
     VentilatedDisc,
     round_surfaces,
 )
+from meshes.structured import simplex_changes
 from meshes.true_surfaces import true_surfaces
 
 _AROUND = 12

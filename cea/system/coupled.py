@@ -16,7 +16,7 @@ from cea.body import Body
 from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
 from cea.eigen.pencil import Matrices, Pencil, Term
-from cea.errors import InputError, ResultWarning
+from cea.errors import InputError
 from cea.matrices import applied
 from cea.motion import Motion
 from cea.petsc import PETSc
@@ -26,7 +26,6 @@ from cea.system.contact_terms import (
     contact_terms,
     form_for,
     penalty_digits,
-    penalty_warnings,
     sliding_parameters,
     sliding_terms,
     stiffness_diagonal,
@@ -69,10 +68,6 @@ class CoupledSystem:
         """Whether any body has convective stiffness, which reduces its stiffness."""
         rotations = (each.motion.rotation for each in self.pieces.values())
         return any(each is not None and each.convective_stiffness for each in rotations)
-
-    def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
-        """Return warnings of kind ``penalty-rounding`` for other values of some parameters."""
-        return penalty_warnings(self.bodies, self.contacts, values)
 
     def keeps_form(self, contact: str, values: Mapping[str, float]) -> bool:
         """Return whether a contact would have the same form for other parameter values."""

@@ -82,8 +82,9 @@ def build_body(
         from meshes.nurbs_shapes import nurbs_shape
 
         breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
-        shape, c = nurbs_shape(spec.geometry, breaks, spec.placement), mesh.continuity
-        space = NurbsSpace(shape.patches, shape.faces, mesh.degree, continuity=c, field=field)
+        patches, faces = nurbs_shape(spec.geometry, breaks, spec.placement)
+        continuity = mesh.continuity
+        space = NurbsSpace(patches, faces, mesh.degree, continuity=continuity, field=field)
     else:
         raise InputError(f"{field}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
     applied = [each.applied for each in loads]
