@@ -16,8 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.body import Body
-from cea.body.body import system_operator
+from cea.body import Body, system_operator
 from cea.contact.formulations import Coupling, Form
 from cea.contact.interface import Interface, along
 from cea.contact.laws import Friction, NormalLaw, Sliding

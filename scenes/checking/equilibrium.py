@@ -25,7 +25,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
-from cea.body.space import VolumeCells
+from cea.body import VolumeCells
 from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
 from cea.errors import ResultWarning

@@ -19,8 +19,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
-from cea.body import Body
-from cea.body.space import VolumeCells
+from cea.body import Body, VolumeCells
 from cea.contact.contact import Contact
 from cea.contact.interface import nested, sampling
 from cea.errors import ResultWarning

@@ -19,7 +19,7 @@ from vtkmodules.vtkCommonDataModel import (
 )
 
 from cea.arrays import Floats, Ints
-from cea.body.space import VolumeCells
+from cea.body import VolumeCells
 
 _CELL_TYPES = {
     ("lagrange", True, 2): pyvista.CellType.LAGRANGE_TRIANGLE,
