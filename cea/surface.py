@@ -81,9 +81,10 @@ class Surface(ABC):
     def cells(self) -> SurfaceCells:
         """Cells inside which traces are smooth: parallelograms or triangles of xi."""
 
+    @property
     @abstractmethod
-    def size(self, element: Ints) -> Floats:
-        """Return the local mesh size (m) of elements, their largest cell diameter, shape (n,)."""
+    def sizes(self) -> Floats:
+        """Local mesh size (m) of each element, its largest cell diameter, (num_elements,)."""
 
     @abstractmethod
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
@@ -144,7 +145,7 @@ class Surface(ABC):
     @cached_property
     def mesh_size(self) -> float:
         """Largest cell diameter (m)."""
-        return float(self.size(np.arange(self.num_elements)).max())
+        return float(self.sizes.max())
 
     def position(self, at: SurfaceCoordinates) -> Floats:
         """Return positions (m), shape (n, dim)."""
@@ -222,7 +223,7 @@ class Surface(ABC):
         xi = low[:, None] + t * (high - low)[:, None]
         element = np.repeat(np.arange(len(low)), len(t))
         at = SurfaceCoordinates(element, xi.reshape(-1, self.dim - 1))
-        nearest = float(self.size(np.arange(self.num_elements)).min()) / (n - 1)
+        nearest = float(self.sizes.min()) / (n - 1)
         tree = cKDTree(self.position(at))
         twins = tree.query_pairs(_MERGE * nearest, output_type="ndarray")
         groups = connected(twins[self.join_smoothly(at, twins)], len(at))
@@ -290,7 +291,7 @@ class Surface(ABC):
             point = point + rows.start
             aim = direction[point]
             xi, distance, miss = self._newton(element, xi, x[point], aim, tolerance)
-            relative = miss / self.size(element)
+            relative = miss / self.sizes[element]
             hit = (relative <= tolerance) & (np.abs(distance) <= reach)
             # Order: hits before misses; hits by distance, then by 1 - cosine of line and normal,
             # rounded so that elements tie at a shared edge and where they join smoothly.

@@ -101,14 +101,10 @@ class FESurface(Surface):
         return self.gauss_points(self._geometry.cell.degree + max(3, self._trace.cell.degree))
 
     @cached_property
-    def _sizes(self) -> Floats:
-        """Largest distance between nodes of each facet (m), (n_facets,)."""
+    def sizes(self) -> Floats:
+        """Diameter of each facet (m), the largest distance between its nodes, (n_facets,)."""
         nodes = self._facet_nodes
         return np.linalg.norm(nodes[:, :, None] - nodes[:, None, :], axis=3).max(axis=(1, 2))
-
-    def size(self, element: Ints) -> Floats:
-        """Return the diameter (m) of each facet, (n,)."""
-        return self._sizes[element]
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Return positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""

@@ -60,9 +60,10 @@ class NurbsSurface(Surface):
         faces = range(len(self.faces))
         return np.array([points.weight[points.at.element == number].sum() for number in faces])
 
-    def size(self, element: Ints) -> Floats:
-        """Return the diameter (m) of the largest knot span of each face."""
-        return np.array([face.size for face in self.faces])[element]
+    @cached_property
+    def sizes(self) -> Floats:
+        """Diameter (m) of the largest knot span of each face."""
+        return np.array([face.size for face in self.faces])
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Return positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""

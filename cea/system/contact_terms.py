@@ -47,9 +47,14 @@ _KINDS: dict[str, tuple[str, float, dict[str, Any]]] = {
 """Unit of each sliding parameter, its exponent in the damping, and its allowed values."""
 
 
-def contact_terms(contacts: Sequence[Contact], *, eliminate: bool) -> Iterator[Term]:
-    """Yield K_n and K_f of half passes in penalty form, or of all if ``eliminate``."""
-    for halves in by_pair(contacts).values():
+def contact_terms(
+    bodies: Mapping[str, Body], contacts: Sequence[Contact], *, eliminate: bool, with_mass: bool
+) -> Iterator[Term]:
+    """Yield K_n and K_f of half passes in penalty form, or of all if ``eliminate``, and damping.
+
+    The damping of sliding half passes belongs to pencils with mass.
+    """
+    for name, halves in by_pair(contacts).items():
         P, mu = powers_of(halves)
         for half in halves:
             if half.has_multipliers and not eliminate:
@@ -58,12 +63,23 @@ def contact_terms(contacts: Sequence[Contact], *, eliminate: bool) -> Iterator[T
             if half.K_f is not None:
                 both = Coefficient(P | mu, factor=-1.0)
                 yield Term("stiffness", half.K_f, both, symmetric=False, contact=True)
+        references = _references(halves) if with_mass else {}
+        for half in halves if references else ():
+            for kind, matrix in _damping(bodies, half, 1 / len(halves)):
+                powers = {
+                    f"contacts.{name}.sliding.{each}": (references[each], _KINDS[each][1])
+                    for each in ("pressure", kind)
+                    if references.get(each)
+                }
+                powers |= mu if kind == "speed" else {}
+                yield Term("damping", matrix, Coefficient(powers))
 
 
-def contact_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
-    """Yield the parameters P and mu of each contact."""
+def contact_parameters(contacts: Sequence[Contact], *, with_mass: bool) -> Iterator[Parameter]:
+    """Yield the parameters P and mu of each contact, and those of sliding that are not zero."""
     of_friction = []
-    for halves in by_pair(contacts).values():
+    pairs = by_pair(contacts)
+    for halves in pairs.values():
         finite = all(half.form != "saddle" for half in halves)
         acts = any(half.has_friction for half in halves)
         stiffness, friction = powers_of(halves)
@@ -72,6 +88,11 @@ def contact_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
         for name, (mu, _) in friction.items() if halves[0].slip is not None else ():
             of_friction.append(Parameter(name, mu if acts else 0.0))
     yield from of_friction
+    for contact, halves in pairs.items() if with_mass else ():
+        for kind, reference in _references(halves).items():
+            unit, _, may = _KINDS[kind]
+            if reference:
+                yield Parameter(f"contacts.{contact}.sliding.{kind}", reference, unit, **may)
 
 
 def penalty_digits(
@@ -159,36 +180,12 @@ def penalty_warnings(
     )
 
 
-def sliding_terms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> Iterator[Term]:
-    """Yield the damping of sliding half passes; both halves of a contact share the pressure."""
-    for name, halves in by_pair(contacts).items():
-        references, (_, mu) = _references(halves), powers_of(halves)
-        for half in halves:
-            for kind, matrix in _damping(bodies, half, 1 / len(halves)):
-                powers = {
-                    f"contacts.{name}.sliding.{each}": (references[each], _KINDS[each][1])
-                    for each in ("pressure", kind)
-                    if references.get(each)
-                }
-                both = powers | (mu if kind == "speed" else {})
-                yield Term("damping", matrix, Coefficient(both))
-
-
-def sliding_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
-    """Yield the parameters of sliding contacts, except those that are zero everywhere."""
-    for name, halves in by_pair(contacts).items():
-        for kind, reference in _references(halves).items():
-            unit, _, may = _KINDS[kind]
-            if reference:
-                yield Parameter(f"contacts.{name}.sliding.{kind}", reference, unit, **may)
-
-
 def _references(halves: Sequence[Contact]) -> dict[str, float]:
     """Return the reference value of each sliding field; 1 if it varies or the halves differ."""
     references = {}
     for name in _KINDS:
         some = [half.sliding for half in halves if name != "speed" or half.slip is not None]
-        given = [values for each in some if (values := getattr(each, name)) is not None]
+        given = [each for sliding in some if (each := getattr(sliding, name, None)) is not None]
         if given:
             values = np.concatenate(given)
             references[name] = 1.0 if np.ptp(values) else float(values[0])

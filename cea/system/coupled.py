@@ -26,8 +26,6 @@ from cea.system.contact_terms import (
     contact_terms,
     form_for,
     penalty_digits,
-    sliding_parameters,
-    sliding_terms,
     stiffness_diagonal,
     with_forms,
 )
@@ -99,12 +97,11 @@ class CoupledSystem:
         terms = [piece for piece in pieces if isinstance(piece, Term)]
         for name, matrix in self.prestress.items():
             terms.append(Term("stiffness", self.pieces[name].placed(matrix)))
-        terms += contact_terms(self.contacts, eliminate=eliminate)
-        sliding = [each for each in self.contacts if self.with_mass and each.sliding is not None]
-        terms += sliding_terms(self.bodies, sliding)
+        terms += contact_terms(
+            self.bodies, self.contacts, eliminate=eliminate, with_mass=self.with_mass
+        )
         parameters = [one for each in self.pieces.values() for one in each.parameters()]
-        parameters += contact_parameters(self.contacts)
-        parameters += sliding_parameters(sliding)
+        parameters += contact_parameters(self.contacts, with_mass=self.with_mass)
         stiffness = stiffness_diagonal(self.bodies, {})
         return Pencil(
             terms,
