@@ -299,10 +299,8 @@ class Surface(ABC):
             several = np.flatnonzero(hit & (np.bincount(point, hit)[point] > 1))
             flat = np.zeros(len(hit))
             normal = cross(self.tangents(element[several], xi[several])[1])
-            length, along = (
-                np.linalg.norm(normal, axis=1),
-                np.einsum("ni,ni->n", normal, aim[several]),
-            )
+            length = np.linalg.norm(normal, axis=1)
+            along = np.einsum("ni,ni->n", normal, aim[several])
             flat[several] = np.round(1 - np.abs(along) / np.where(length > 0, length, 1.0), 6)
             order = np.lexsort((element, flat, rank, ~hit, point))
             found, first = np.unique(point[order], return_index=True)

@@ -151,9 +151,8 @@ def _disc(shape: Disc, breaks: Breaks, order: int) -> tuple[list[Floats], Faces]
     lattice lines change from straight to round. Parallel edges run the same way in all blocks.
     """
     radii, angles = breaks[0], breaks[1]
-    require(
-        len(radii) > 2, "breaks of r", radii, "at least two elements, of which one is the square"
-    )
+    allowed = "at least two elements, of which one is the square"
+    require(len(radii) > 2, "breaks of r", radii, allowed)
     quarter = np.searchsorted(angles, np.array([0.0, 90.0, 180.0, 270.0, 360.0]) - 1e-9)
     sides = np.diff(quarter)
     matching = sides[0] == sides[2] and sides[1] == sides[3]

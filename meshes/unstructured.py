@@ -96,9 +96,8 @@ def _generate(dim: int, order: int, size: float) -> None:
         gmsh.model.mesh.optimize("HighOrder")
         (cells,) = gmsh.model.mesh.getElements(dim)[1]
         if gmsh.model.mesh.getElementQualities(cells, "minSJ").min() <= 0:
-            raise InputError(
-                "size", size, "a smaller size (m): curved cells of this size are inverted"
-            )
+            allowed = "a smaller size (m): curved cells of this size are inverted"
+            raise InputError("size", size, allowed)
 
 
 def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:

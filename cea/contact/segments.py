@@ -121,10 +121,8 @@ class _Sides:
     def outlines_in_a(self, pairs: Ints, pieces: int) -> Floats:
         """Return outlines of cells of b in the extrapolated coordinates of cells of a."""
         x = _outlines(self.b, self.cells_b, pairs[:, 1], pieces)
-        own = pairs[:, 0]
-        return _continued_coordinates(
-            self.a, self.cells_a.element[own], self.cells_a.corners[own], x
-        )
+        cells, own = self.cells_a, pairs[:, 0]
+        return _continued_coordinates(self.a, cells.element[own], cells.corners[own], x)
 
     def intervals(self, pairs: Ints, points: int | None) -> tuple[Ints, Floats, Floats]:
         """Return Gauss points of the refinement of two curves: cell of a, xi, reference weight."""
@@ -143,9 +141,8 @@ class _Sides:
         tensor = self.cells_a.tensor or self.cells_b.tensor
         own = self.cells_a.corners[pairs[:, 0]]
         smallest = np.ptp(own, axis=1).min(axis=1)
-        owner, overlap = _clip(
-            own, _simplified(self.outlines_in_a(pairs, pieces), pieces, smallest)
-        )
+        other = _simplified(self.outlines_in_a(pairs, pieces), pieces, smallest)
+        owner, overlap = _clip(own, other)
         on_triangles = points or (2 * degree if tensor else degree) + 1
         return _rule_on(owner, overlap, points or degree + 1, on_triangles)
 
