@@ -33,9 +33,8 @@ from cea.mesh import facet_nodes
 from cea.supports.boundary import Support
 from cea.system.coupled import couple
 from meshes.nurbs_shapes import nurbs_shape
-from meshes.shape_mesh import shape_mesh
+from meshes.shape_mesh import divided, shape_mesh
 from meshes.shapes import Box, Rectangle
-from meshes.structured import divided
 
 MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
 KINDS = {
