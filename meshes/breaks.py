@@ -39,9 +39,7 @@ def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -
 
 
 def breaks_of(
-    shape: Shape,
-    elements: Sequence[int],
-    through: Mapping[str, Sequence[float]] | None = None,
+    shape: Shape, elements: Sequence[int], through: Mapping[str, Sequence[float]] | None = None
 ) -> Breaks:
     """Breaks of a shape along its directions."""
     asked = _asked(shape, elements, through or {})

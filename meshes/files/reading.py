@@ -33,14 +33,7 @@ _MESHES = {
 }
 _KEPT = 4
 """Number of files whose content is cached, for the bodies of a scene."""
-_WORDLESS = (
-    TypeError,
-    LookupError,
-    AttributeError,
-    AssertionError,
-    SyntaxError,
-    RecursionError,
-)
+_WORDLESS = (TypeError, LookupError, AttributeError, AssertionError, SyntaxError, RecursionError)
 """Errors of libraries whose messages do not describe the file."""
 _SECONDS, _SECONDS_A_BYTE = 5, 2e-5
 """Limit of processor time (s) of reading: more than ten times what it takes."""
