@@ -199,7 +199,7 @@ class Friction:
 
 @dataclass(frozen=True)
 class Sliding:
-    """Sliding data for the damping of small velocities (:mod:`cea.system.contact_terms`)."""
+    """Sliding data for the damping of small velocities (:mod:`cea.system.coupled`)."""
 
     # v (m/s) at all points, shape (n,); None: no effect of the turning sliding direction
     speed: Floats | None = None

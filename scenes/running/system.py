@@ -6,8 +6,7 @@ from typing import TypedDict, Unpack
 
 from cea.body import Body
 from cea.errors import ResultWarning
-from cea.system.contact_terms import penalty_warnings
-from cea.system.coupled import CoupledSystem
+from cea.system.coupled import CoupledSystem, penalty_warnings
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.checking.memory import check_memory, factors_of

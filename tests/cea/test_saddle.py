@@ -8,7 +8,7 @@ from blocks import GPTS, assemble, coarse, two_blocks
 from covering import covering
 
 from cea.eigen.driver import solve_modes
-from cea.system.contact_terms import penalty_warnings
+from cea.system.coupled import penalty_warnings
 from scenes import run_scene
 from scenes.spec.reading import load_scene
 
