@@ -88,6 +88,21 @@ class CoupledSystem:
         rotations = (each.motion.rotation for each in self.pieces.values())
         return any(each is not None and each.convective_stiffness for each in rotations)
 
+    def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        """Return a warning for each contact whose penalty form loses too many digits."""
+        digits = penalty_digits(self.bodies, self.contacts, values)
+        costly = {c.pair: digits[c.pair] for c in self.contacts if not c.has_multipliers}
+        return tuple(
+            ResultWarning(
+                "penalty-rounding",
+                f"contact {name} is {10**lost:.1g} times as stiff as its bodies: the penalty form "
+                f"loses {lost:.1f} digits to rounding",
+                {"contact": name, "digits": lost},
+            )
+            for name, lost in costly.items()
+            if lost > MOST_DIGITS
+        )
+
     def keeps_form(self, contact: str, values: Mapping[str, float]) -> bool:
         """Return whether a contact would have the same form for other parameter values."""
         halves = by_pair(self.contacts)[contact]
@@ -118,11 +133,9 @@ class CoupledSystem:
         terms = [piece for piece in pieces if isinstance(piece, Term)]
         for name, matrix in self.prestress.items():
             terms.append(Term("stiffness", self.pieces[name].placed(matrix)))
-        terms += contact_terms(
-            self.bodies, self.contacts, eliminate=eliminate, with_mass=self.with_mass
-        )
+        terms += self._contact_terms(eliminate=eliminate)
         parameters = [one for each in self.pieces.values() for one in each.parameters()]
-        parameters += contact_parameters(self.contacts, with_mass=self.with_mass)
+        parameters += self._contact_parameters()
         stiffness = stiffness_diagonal(self.bodies, {})
         return Pencil(
             terms,
@@ -132,6 +145,46 @@ class CoupledSystem:
             [piece for piece in pieces if not isinstance(piece, Term)],
             None if self.size < _LARGE or self.prestress or self.softens else self._near_contacts,
         )
+
+    def _contact_terms(self, *, eliminate: bool) -> Iterator[Term]:
+        """Yield K_n and K_f of half passes in penalty form, or of all, and damping of sliding."""
+        for name, halves in by_pair(self.contacts).items():
+            P, mu = powers_of(halves)
+            for half in halves:
+                if half.has_multipliers and not eliminate:
+                    continue
+                yield Term("stiffness", half.K_n, Coefficient(P), contact=True)
+                if half.K_f is not None:
+                    both = Coefficient(P | mu, factor=-1.0)
+                    yield Term("stiffness", half.K_f, both, symmetric=False, contact=True)
+            references = _references(halves) if self.with_mass else {}
+            for half in halves if references else ():
+                for kind, matrix in _damping(self.bodies, half, 1 / len(halves)):
+                    powers = {
+                        f"contacts.{name}.sliding.{each}": (references[each], _KINDS[each][1])
+                        for each in ("pressure", kind)
+                        if references.get(each)
+                    }
+                    powers |= mu if kind == "speed" else {}
+                    yield Term("damping", matrix, Coefficient(powers))
+
+    def _contact_parameters(self) -> Iterator[Parameter]:
+        """Yield the parameters P and mu of each contact, and those of sliding that are not zero."""
+        pairs, of_friction = by_pair(self.contacts), []
+        for halves in pairs.values():
+            finite = all(half.form != "saddle" for half in halves)
+            acts = any(half.has_friction for half in halves)
+            stiffness, friction = powers_of(halves)
+            for name, (P, _) in stiffness.items():
+                yield Parameter(name, P, "N/m", positive=True, finite=finite)
+            for name, (mu, _) in friction.items() if halves[0].slip is not None else ():
+                of_friction.append(Parameter(name, mu if acts else 0.0))
+        yield from of_friction
+        for contact, halves in pairs.items() if self.with_mass else ():
+            for kind, reference in _references(halves).items():
+                unit, _, may = _KINDS[kind]
+                if reference:
+                    yield Parameter(f"contacts.{contact}.sliding.{kind}", reference, unit, **may)
 
     def _near_contacts(self, values: Mapping[str, float], whole: Matrices) -> Matrices | None:
         from cea.system.near_contacts import near_contacts  # imported only for large systems
@@ -218,54 +271,6 @@ def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any
     return load
 
 
-def contact_terms(
-    bodies: Mapping[str, Body], contacts: Sequence[Contact], *, eliminate: bool, with_mass: bool
-) -> Iterator[Term]:
-    """Yield K_n and K_f of half passes in penalty form, or of all if ``eliminate``, and damping.
-
-    The damping of sliding half passes belongs to pencils with mass.
-    """
-    for name, halves in by_pair(contacts).items():
-        P, mu = powers_of(halves)
-        for half in halves:
-            if half.has_multipliers and not eliminate:
-                continue
-            yield Term("stiffness", half.K_n, Coefficient(P), contact=True)
-            if half.K_f is not None:
-                both = Coefficient(P | mu, factor=-1.0)
-                yield Term("stiffness", half.K_f, both, symmetric=False, contact=True)
-        references = _references(halves) if with_mass else {}
-        for half in halves if references else ():
-            for kind, matrix in _damping(bodies, half, 1 / len(halves)):
-                powers = {
-                    f"contacts.{name}.sliding.{each}": (references[each], _KINDS[each][1])
-                    for each in ("pressure", kind)
-                    if references.get(each)
-                }
-                powers |= mu if kind == "speed" else {}
-                yield Term("damping", matrix, Coefficient(powers))
-
-
-def contact_parameters(contacts: Sequence[Contact], *, with_mass: bool) -> Iterator[Parameter]:
-    """Yield the parameters P and mu of each contact, and those of sliding that are not zero."""
-    of_friction = []
-    pairs = by_pair(contacts)
-    for halves in pairs.values():
-        finite = all(half.form != "saddle" for half in halves)
-        acts = any(half.has_friction for half in halves)
-        stiffness, friction = powers_of(halves)
-        for name, (P, _) in stiffness.items():
-            yield Parameter(name, P, "N/m", positive=True, finite=finite)
-        for name, (mu, _) in friction.items() if halves[0].slip is not None else ():
-            of_friction.append(Parameter(name, mu if acts else 0.0))
-    yield from of_friction
-    for contact, halves in pairs.items() if with_mass else ():
-        for kind, reference in _references(halves).items():
-            unit, _, may = _KINDS[kind]
-            if reference:
-                yield Parameter(f"contacts.{contact}.sliding.{kind}", reference, unit, **may)
-
-
 def penalty_digits(
     bodies: Mapping[str, Body], contacts: Sequence[Contact], values: Mapping[str, float]
 ) -> dict[str, float]:
@@ -331,24 +336,6 @@ def with_forms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> tuple
             contact = replace(contact, form=form)
         chosen.append(contact)
     return tuple(chosen)
-
-
-def penalty_warnings(
-    bodies: Mapping[str, Body], contacts: Sequence[Contact], values: Mapping[str, float]
-) -> tuple[ResultWarning, ...]:
-    """Return a warning for each contact whose penalty form loses too many digits."""
-    digits = penalty_digits(bodies, contacts, values)
-    costly = {c.pair: digits[c.pair] for c in contacts if not c.has_multipliers}
-    return tuple(
-        ResultWarning(
-            "penalty-rounding",
-            f"contact {name} is {10**lost:.1g} times as stiff as its bodies: the penalty form "
-            f"loses {lost:.1f} digits to rounding",
-            {"contact": name, "digits": lost},
-        )
-        for name, lost in costly.items()
-        if lost > MOST_DIGITS
-    )
 
 
 def _references(halves: Sequence[Contact]) -> dict[str, float]:

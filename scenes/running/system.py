@@ -6,7 +6,7 @@ from typing import TypedDict, Unpack
 
 from cea.body import Body
 from cea.errors import ResultWarning
-from cea.system.coupled import CoupledSystem, penalty_warnings
+from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.checking.memory import check_memory, factors_of
@@ -64,9 +64,7 @@ def system_warnings(
     scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
 ) -> tuple[ResultWarning, ...]:
     """Return the warnings about bodies, contacts, their forms and steady sliding; collective."""
-    bodies, contacts = system.bodies, system.contacts
-    found = [*warnings_of(scene, bodies, contacts)]
-    found += penalty_warnings(bodies, contacts, values or {})
+    found = [*warnings_of(scene, system.bodies, system.contacts), *system.warnings_at(values or {})]
     if system.steady is not None:
         from scenes.checking.equilibrium import steady_warnings
 

@@ -8,7 +8,6 @@ from blocks import GPTS, assemble, coarse, two_blocks
 from covering import covering
 
 from cea.eigen.driver import solve_modes
-from cea.system.coupled import penalty_warnings
 from scenes import run_scene
 from scenes.spec.reading import load_scene
 
@@ -54,11 +53,10 @@ def test_a_penalty_that_stays_says_how_many_digits_it_costs(backend, fields):
     fields = {"formulation": GPTS} | fields
     system = assemble(scene(backend, P=1e9, **fields))
     assert {contact.form for contact in system.contacts} == {"penalty"}
-    (warning,) = penalty_warnings(system.bodies, system.contacts, {})
+    (warning,) = system.warnings_at({})
     assert (warning.kind, warning.data["contact"]) == ("penalty-rounding", "interface")
     stiffness = system.pencil().at().stiffness
     bodies = [body.stiffness().getDiagonal().array for body in system.bodies.values()]
     largest = stiffness.getDiagonal().array / np.concatenate(bodies)
     assert warning.data["digits"] == pytest.approx(np.log10(largest.max()), abs=1e-3)
-    softer = assemble(scene(backend, P=1e5, **fields))
-    assert not penalty_warnings(softer.bodies, softer.contacts, {})
+    assert not assemble(scene(backend, P=1e5, **fields)).warnings_at({})
