@@ -8,8 +8,7 @@ import gzip
 import os
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import suppress
 from pathlib import Path
 
 from cea.errors import InputError, WriteError
@@ -23,17 +22,17 @@ def write_whole(content: bytes, file: Path) -> Path:
         content = gzip.compress(content, _LEVEL, mtime=0)
     part = file.with_name(f".{file.name}.{os.getpid()}.part")
     try:
-        with _told(file):
-            file.parent.mkdir(parents=True, exist_ok=True)
-            with part.open("wb") as stream:
-                stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
-            part.replace(file)
-            _sync(file.parent)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with part.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        part.replace(file)
+    except OSError as error:
+        raise WriteError(f"{file} cannot be written: {error.strerror or error}") from error
     finally:
-        with _told(file):
-            part.unlink(missing_ok=True)
+        with suppress(OSError):  # the folder or the name may be the reason of the failure
+            part.unlink()
     return file
 
 
@@ -54,24 +53,6 @@ def check_writable(file: Path, field: str) -> None:
         raise InputError(field, str(file), f"a file to write ({reason})") from None
     if not os.access(file.parent, os.W_OK):
         raise InputError(field, str(file), "a file to write, in a folder that may be written")
-
-
-@contextmanager
-def _told(place: Path) -> Iterator[None]:
-    """Turn an OSError of the block into a :class:`WriteError` that names the place."""
-    try:
-        yield
-    except OSError as error:
-        raise WriteError(f"{place} cannot be written: {error.strerror or error}") from error
-
-
-def _sync(folder: Path) -> None:
-    """Flush the directory entries of a folder to the disk."""
-    number = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(number)
-    finally:
-        os.close(number)
 
 
 def ignore_closed_pipes() -> None:

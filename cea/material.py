@@ -93,20 +93,15 @@ class Elasticity:
         """Return the Cauchy stress (N/m^2), shape (dim, dim, n); plane strain in 2D.
 
         The gradient is ``gradient[i, j] = d u_i / d x_j``, shape (dim, dim, n), at positions x (m),
-        shape (dim, n), which are ignored if the tensor is uniform. Raise :class:`InputError` if the
-        axes are undefined at a point.
+        shape (dim, n). Raise :class:`InputError` if the axes are undefined at a point.
         """
         if self.factor is not None:
             return replace(self, factor=None).stress(gradient, x) * self.factor(x)
         dim, tensor = len(gradient), self.matrix[np.ix_(_VOIGT.ravel(), _VOIGT.ravel())]
-        if not self.varies:
-            if self.axes is not None:
-                R = self.axes.at(np.zeros((3, 1)))[:, :, 0]
-                turn = np.kron(R, R)
-                tensor = turn @ tensor @ turn.T
+        if self.axes is None:
             own = tensor.reshape((3,) * 4)[:dim, :dim, :dim, :dim].reshape(dim * dim, -1)
             return (own @ gradient.reshape(dim * dim, -1)).reshape(gradient.shape)
-        R = self.axes.at(x)[:dim]  # type: ignore[union-attr]
+        R = self.axes.at(x)[:dim]
         along = np.einsum("ipn,ijn,jqn->pqn", R, gradient, R, optimize=True)
         own = (tensor @ along.reshape(9, -1)).reshape(along.shape)
         return np.einsum("ipn,pqn,jqn->ijn", R, own, R, optimize=True)

@@ -19,10 +19,8 @@ def distributed(
 ) -> Any:
     """Return a PETSc AIJ matrix of the rows of all ranks, in the order of the ranks."""
     size: Any = ((rows.shape[0], PETSc.DETERMINE), columns)
-    starts, indices = (
-        part.astype(PETSc.IntType, copy=False) for part in (rows.indptr, rows.indices)
-    )
-    csr: Any = (starts, indices, rows.data)
+    starts = rows.indptr.astype(PETSc.IntType, copy=False)
+    csr: Any = (starts, rows.indices.astype(PETSc.IntType, copy=False), rows.data)
     if shared and comm.size == 1:
         return PETSc.Mat().createAIJWithArrays(size, csr, comm=comm)
     return PETSc.Mat().createAIJ(size=size, csr=csr, comm=comm)

@@ -15,12 +15,7 @@ Cell = Literal["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
 MAX_ORDER = 4
 """Highest polynomial order of the geometry."""
 
-DIMENSION: dict[Cell, int] = {
-    "triangle": 2,
-    "quadrilateral": 2,
-    "tetrahedron": 3,
-    "hexahedron": 3,
-}
+DIMENSION: dict[Cell, int] = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
 """Dimension of each kind of cell."""
 
 SIMPLICES: tuple[Cell, ...] = ("triangle", "tetrahedron")

@@ -140,9 +140,8 @@ class ModalDamping:
         require(valid, "ratios", ratios, f"one or more, each {_RATIO}")
         rising = bool(np.all(np.diff((0.0, *table)) > 0))
         require(rising, "frequencies", table, "positive, finite and rising (Hz)")
-        require(
-            len(table) == len(ratios), "frequencies", table, f"as many as ratios, {len(ratios)}"
-        )
+        allowed = f"as many as ratios, {len(ratios)}"
+        require(len(table) == len(ratios), "frequencies", table, allowed)
 
     @property
     def _table(self) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -25,7 +25,7 @@ from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from scipy.sparse import bsr_array, csr_array
 
 from cea.arrays import Floats
-from cea.body.space import Density
+from cea.body import Density
 from cea.material import Elasticity
 from cea.matrices import destroy, distributed, local_part
 from cea.motion import Rotation

@@ -10,7 +10,7 @@ from dolfinx.fem.petsc import interpolation_matrix
 from scipy.sparse import csr_array, vstack
 
 from cea.arrays import Floats, Ints, chunks
-from cea.body.space import VolumeCells
+from cea.body import VolumeCells
 from cea.errors import require
 from fe_cea.facets import geometry_element
 

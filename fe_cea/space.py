@@ -10,7 +10,7 @@ from dolfinx.fem import functionspace
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.body.space import VolumeCells
+from cea.body import VolumeCells
 from cea.errors import require
 from cea.mesh import Mesh
 from cea.petsc import MPI

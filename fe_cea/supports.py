@@ -8,9 +8,7 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.supports.boundary import Support
-from cea.supports.constraints import Constraints
-from cea.supports.directions import Directions, merged
-from cea.supports.elimination import constrain
+from cea.supports.constraints import Constraints, Directions, constrain, merged
 from fe_cea.facets import FacetBasis
 from fe_cea.surface import FESurface
 
@@ -53,7 +51,7 @@ def nodal_constraints(
 
 def _nodes(surface: FESurface, points: Floats) -> tuple[Ints, Floats, Floats]:
     """Return the nodes of all facets of a surface: scalar dofs, positions, outward normals."""
-    at, _ = surface.cells().coordinates(points)
+    at, _ = surface.cells.coordinates(points)
     trace = surface.trace(at)
     # A Lagrange function is one at its own node, zero at the others of its facet.
     own = trace.data.reshape(len(at), -1).argmax(axis=1)

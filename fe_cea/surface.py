@@ -82,16 +82,13 @@ class FESurface(Surface):
         return np.zeros(shape), np.ones(shape)
 
     @cached_property
-    def _cells(self) -> SurfaceCells:
+    def cells(self) -> SurfaceCells:
+        """The facets."""
         outline = _OUTLINES[self._facet]
         corners = np.broadcast_to(outline, (self.num_elements, *outline.shape))
         tensor = self._facet != basix.CellType.triangle
         degree = self._trace.cell.degree
         return SurfaceCells(np.arange(self.num_elements), corners, degree, tensor)
-
-    def cells(self) -> SurfaceCells:
-        """Return the facets."""
-        return self._cells
 
     @cached_property
     def element_areas(self) -> Floats:
@@ -104,14 +101,10 @@ class FESurface(Surface):
         return self.gauss_points(self._geometry.cell.degree + max(3, self._trace.cell.degree))
 
     @cached_property
-    def _sizes(self) -> Floats:
-        """Largest distance between nodes of each facet (m), (n_facets,)."""
+    def sizes(self) -> Floats:
+        """Diameter of each facet (m), the largest distance between its nodes, (n_facets,)."""
         nodes = self._facet_nodes
         return np.linalg.norm(nodes[:, :, None] - nodes[:, None, :], axis=3).max(axis=(1, 2))
-
-    def size(self, element: Ints) -> Floats:
-        """Return the diameter (m) of each facet, (n,)."""
-        return self._sizes[element]
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Return positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
@@ -148,7 +141,7 @@ class FESurface(Surface):
 
     def function_points(self, kind: str) -> SurfaceCoordinates:
         """Return the interpolation nodes of every facet, facet by facet."""
-        return self.cells().coordinates(self._trace.facet.points)[0]
+        return self.cells.coordinates(self._trace.facet.points)[0]
 
     def values(self, at: SurfaceCoordinates, columns: Ints, count: int) -> csr_array:
         """Return the values of facet functions; all other functions vanish there."""
@@ -226,6 +219,6 @@ class FESurface(Surface):
 
     @cached_property
     def _sagittas(self) -> Floats:
-        corners, _ = self.cells().coordinates(basix.geometry(self._facet))
+        corners, _ = self.cells.coordinates(basix.geometry(self._facet))
         normals = self.normal(corners).reshape(self.num_elements, -1, self.dim)
         return sagittas(self._facet, self._facet_nodes, self._facet_dofs, normals)

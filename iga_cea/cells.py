@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, kron, vstack
 
 from cea.arrays import Floats, Ints
-from cea.body.space import VolumeCells
+from cea.body import VolumeCells
 from iga_cea.multipatch import Multipatch
 from iga_cea.patch import Patch
 from iga_cea.splines import elevation_matrix, insertion_matrix

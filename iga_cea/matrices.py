@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.body.space import Density
+from cea.body import Density
 from cea.material import Elasticity
 from cea.motion import Rotation
 from iga_cea.entries import entries

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.body.space import VolumeCells
+from cea.body import VolumeCells
 from cea.errors import InputError, require
 from cea.petsc import MPI
 from cea.supports.boundary import Support

@@ -30,9 +30,13 @@ from scipy.sparse import coo_array, csr_array
 from cea.arrays import Floats, Ints
 from cea.contact.interface import along
 from cea.supports.boundary import Support
-from cea.supports.constraints import Constraints
-from cea.supports.directions import Directions, merged
-from cea.supports.elimination import ProjectedConstraints, constrain
+from cea.supports.constraints import (
+    Constraints,
+    Directions,
+    ProjectedConstraints,
+    constrain,
+    merged,
+)
 from iga_cea.surface import NurbsSurface
 
 _SAME = 1e-10

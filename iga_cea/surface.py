@@ -36,12 +36,9 @@ class NurbsSurface(Surface):
         ends = np.array([[knots[[0, -1]] for knots in face.knots] for face in self.faces])
         return ends[:, :, 0], ends[:, :, 1]
 
-    def cells(self) -> SurfaceCells:
-        """Return the knot spans of all faces."""
-        return self._cells
-
     @cached_property
-    def _cells(self) -> SurfaceCells:
+    def cells(self) -> SurfaceCells:
+        """The knot spans of all faces."""
         elements, corners = [], []
         for number, face in enumerate(self.faces):
             spans = [np.column_stack([breaks[:-1], breaks[1:]]) for breaks in face.breaks]
@@ -63,9 +60,10 @@ class NurbsSurface(Surface):
         faces = range(len(self.faces))
         return np.array([points.weight[points.at.element == number].sum() for number in faces])
 
-    def size(self, element: Ints) -> Floats:
-        """Return the diameter (m) of the largest knot span of each face."""
-        return np.array([face.size for face in self.faces])[element]
+    @cached_property
+    def sizes(self) -> Floats:
+        """Diameter (m) of the largest knot span of each face."""
+        return np.array([face.size for face in self.faces])
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Return positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""

@@ -33,16 +33,13 @@ def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -
     shares = np.maximum(1, even - len(lengths))  # lower bounds of the numbers of elements
     for _ in range(count - shares.sum()):
         shares[np.argmax(lengths / shares)] += 1
-    pieces = [
-        np.linspace(a, b, n + 1)[:-1] for (a, b), n in zip(pairwise(stops), shares, strict=True)
-    ]
+    counted = zip(pairwise(stops), shares, strict=True)
+    pieces = [np.linspace(a, b, n + 1)[:-1] for (a, b), n in counted]
     return np.concatenate([*pieces, [high]])
 
 
 def breaks_of(
-    shape: Shape,
-    elements: Sequence[int],
-    through: Mapping[str, Sequence[float]] | None = None,
+    shape: Shape, elements: Sequence[int], through: Mapping[str, Sequence[float]] | None = None
 ) -> Breaks:
     """Breaks of a shape along its directions."""
     asked = _asked(shape, elements, through or {})
@@ -68,11 +65,7 @@ def check_breaks(shape: Shape, breaks: Breaks) -> None:
 def _joints(shape: Shape) -> dict[str, tuple[float, ...]]:
     """Coordinates at which blocks of a shape meet, by direction."""
     if isinstance(shape, Hub):
-        return {
-            "r": (shape.hub_radius,),
-            "theta": _JOINTS,
-            "z": (shape.bottom, shape.top),
-        }
+        return {"r": (shape.hub_radius,), "theta": _JOINTS, "z": (shape.bottom, shape.top)}
     return {"theta": _JOINTS} if isinstance(shape, CLOSED) else {}
 
 

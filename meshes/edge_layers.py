@@ -45,12 +45,6 @@ def run_along(shape: Shape, edges: Sequence[Edge]) -> int | None:
     return next((i for i, name in enumerate(directions) if name not in known[0]), None)
 
 
-def check_room(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> None:
-    """Refuse elements that leave no room for layers towards edges."""
-    counts = tuple(len(each) - 1 for each in breaks)
-    require(fit(shape, breaks, edges), "elements", counts, TOO_FEW)
-
-
 def fit(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> bool:
     """Whether no cell between breaks has edges at opposite corners, or at more than two."""
     along, directions = run_along(shape, edges), shape.directions

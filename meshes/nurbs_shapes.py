@@ -38,23 +38,16 @@ class NurbsPatch:
     breaks: tuple[Floats, ...]  # parameters of the element boundaries, both ends included
 
 
-@dataclass(frozen=True)
-class NurbsShape:
-    """Patches of a shape, joined where their faces coincide, and its named surfaces.
+def nurbs_shape(
+    shape: Shape, breaks: Breaks, placement: Placement = IN_PLACE
+) -> tuple[list[NurbsPatch], Faces]:
+    """NURBS patches of a shape, joined where their faces coincide, and its named faces.
 
-    Faces are (patch, axis, side); side 0 is where the parameter is least.
+    There is one of each block (:func:`meshes.breaks.blocks_of`).
     """
-
-    patches: tuple[NurbsPatch, ...]
-    faces: Faces
-
-
-def nurbs_shape(shape: Shape, breaks: Breaks, placement: Placement = IN_PLACE) -> NurbsShape:
-    """NURBS patches of a shape, one of each block (:func:`meshes.breaks.blocks_of`)."""
     check_breaks(shape, breaks)
     patches, faces = _patches(shape, breaks)
-    placed = (replace(p, control_points=placement.apply(p.control_points)) for p in patches)
-    return NurbsShape(tuple(placed), faces)
+    return [replace(p, control_points=placement.apply(p.control_points)) for p in patches], faces
 
 
 def _patches(shape: Shape, breaks: Breaks) -> tuple[list[NurbsPatch], Faces]:

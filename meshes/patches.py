@@ -62,9 +62,8 @@ class GivenPatch:
         dim = len(self.degrees)
         degrees_fit = dim in (2, 3) and all(p >= 1 for p in self.degrees)
         require(degrees_fit, "degrees", self.degrees, "two or three whole numbers from 1")
-        require(
-            len(self.knots) == dim, "knots", self.knots, f"{dim} knot vectors, as many as degrees"
-        )
+        allowed = f"{dim} knot vectors, as many as degrees"
+        require(len(self.knots) == dim, "knots", self.knots, allowed)
         for axis, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
             _check_knots(np.asarray(knots, dtype=float), p, f"knots[{axis}]", knots)
         counts = tuple(len(k) - p - 1 for k, p in zip(self.knots, self.degrees, strict=True))
@@ -186,9 +185,8 @@ class Patches(_OfPatches):
 
 def _check_knots(knots: Floats, p: int, field: str, given: tuple[float, ...]) -> None:
     """Refuse knot vectors that are not open, do not rise, or tear the patch."""
-    rise = len(knots) >= 2 * p + 2 and bool(
-        np.isfinite(knots).all() and np.all(np.diff(knots) >= 0)
-    )
+    long_enough, finite = len(knots) >= 2 * p + 2, bool(np.isfinite(knots).all())
+    rise = long_enough and finite and bool(np.all(np.diff(knots) >= 0))
     require(rise, field, given, f"at least {2 * p + 2} finite numbers that do not fall")
     open_ends = knots[0] == knots[p] < knots[p + 1] and knots[-p - 2] < knots[-p - 1] == knots[-1]
     require(bool(open_ends), field, given, f"first and last knot exactly {p + 1} times")

@@ -34,9 +34,8 @@ class Placement:
     def rotation(self) -> Floats:
         """Rotation matrix, (3, 3)."""
         axis = of_size_one(self.axis)
-        return Rotation.from_rotvec(
-            axis / np.linalg.norm(axis) * self.angle, degrees=True
-        ).as_matrix()
+        vector = axis / np.linalg.norm(axis) * self.angle
+        return Rotation.from_rotvec(vector, degrees=True).as_matrix()
 
     def check(self, dim: int, field: str) -> None:
         """Refuse a placement that moves a plane body out of its plane."""

@@ -71,9 +71,8 @@ def true_surfaces(shape: Shape, placement: Placement = IN_PLACE) -> dict[str, Tr
         heights[shape.surface] = shape.height
     if isinstance(shape, VentilatedDisc):
         heights |= {"bore": _cylinders(shape.bore), "rim": _cylinders(shape.outer_radius)}
-        heights |= (
-            {"holes": _cylinders(shape.hole_radius, shape.hole_centres)} if shape.holes else {}
-        )
+        if shape.holes:
+            heights["holes"] = _cylinders(shape.hole_radius, shape.hole_centres)
     return {name: TrueSurface(height, placement) for name, height in heights.items()}
 
 

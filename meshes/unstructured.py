@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from math import pi
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from cea.errors import InputError
 from cea.files import ignore_closed_pipes
-from cea.mesh import Mesh, reference_nodes
+from cea.mesh import Mesh
 from meshes.files.gmsh import arrays_of_model, content_of
 from meshes.files.part import body_mesh, part_of
 from meshes.files.surfaces import surface_faces
@@ -25,7 +24,6 @@ from meshes.shapes import (
     VentilatedDisc,
     round_surfaces,
 )
-from meshes.structured import simplex_changes
 from meshes.true_surfaces import true_surfaces
 
 _AROUND = 12
@@ -78,8 +76,7 @@ def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:
         for name, entities in surfaces.items():
             gmsh.model.addPhysicalGroup(dim - 1, entities, name=name)
         gmsh.model.addPhysicalGroup(dim, [tag for _, tag in gmsh.model.getEntities(dim)])
-        mesh = read_gmsh(gmsh.model)
-    return _through_lobatto_points(shape, mesh) if order > 2 else mesh
+        return read_gmsh(gmsh.model)
 
 
 def _generate(dim: int, order: int, size: float) -> None:
@@ -96,25 +93,8 @@ def _generate(dim: int, order: int, size: float) -> None:
         gmsh.model.mesh.optimize("HighOrder")
         (cells,) = gmsh.model.mesh.getElements(dim)[1]
         if gmsh.model.mesh.getElementQualities(cells, "minSJ").min() <= 0:
-            raise InputError(
-                "size", size, "a smaller size (m): curved cells of this size are inverted"
-            )
-
-
-def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:
-    """Mesh whose cells interpolate circles at Gauss-Lobatto points instead of their nodes."""
-    to_lobatto, back = simplex_changes(reference_nodes(mesh.cell, mesh.order), mesh.order)
-    radius = np.zeros(len(mesh.points))
-    for name, value in round_surfaces(shape).items():
-        radius[mesh.surfaces[name]] = value
-    curved = mesh.cells[radius[mesh.cells].any(axis=1)]
-    lobatto = mesh.points.copy()
-    lobatto[curved] = to_lobatto @ mesh.points[curved]
-    on = radius > 0
-    lobatto[on, :2] *= (radius[on] / np.linalg.norm(lobatto[on, :2], axis=1))[:, None]
-    points = mesh.points.copy()
-    points[curved] = back @ lobatto[curved]
-    return replace(mesh, points=points)
+            allowed = "a smaller size (m): curved cells of this size are inverted"
+            raise InputError("size", size, allowed)
 
 
 def _revolved_hub(shape: Hub) -> dict[str, list[int]]:

@@ -16,13 +16,11 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.body import Body
-from cea.body.body import system_operator
+from cea.body import Body, system_operator
 from cea.contact.formulations import Coupling, Form
-from cea.contact.friction import Friction
 from cea.contact.interface import Interface, along
-from cea.contact.laws import NormalLaw, Sliding
-from cea.contact.mortar import Eliminated, MortarProjection
+from cea.contact.laws import Friction, NormalLaw, Sliding
+from cea.contact.mortar import Eliminated, mortar_compliance, mortar_pressure, traces_at
 from cea.errors import InputError
 from cea.matrices import (
     applied,
@@ -64,7 +62,7 @@ class Contact:
     # projected; slip is None without friction. :func:`assembled` sets all fields below
     gap: Any = None
     slip: Any | None = None
-    projection: MortarProjection | None = None  # projection on the traces of side a, or None
+    traces: Any | None = None  # psi at the points if gaps are projected, PETSc AIJ, or None
     lumped: tuple[Any, Any | None] | None = None  # K_n and K_f of lumped contact, or None
     # whether slip operators have unit friction because the coefficient is zero
     of_unit_friction: bool = False
@@ -157,13 +155,13 @@ class Contact:
     def _matrices(self) -> tuple[Any, Any | None]:
         if self.lumped is not None:
             return self.lumped
-        if self.projection is None or not self.law.linear:
+        if self.traces is None or not self.law.linear:
             return self.tangent(self.slope)
         return self._eliminated.matrices()
 
     def tangent(self, p: Floats) -> tuple[Any, Any | None]:
         """Return K_n and K_f for a slope p at all points (N/m^3); not for lumped contact."""
-        if self.projection is not None:
+        if self.traces is not None:
             return self._eliminated.tangent(p)
         weight = self.weight(p)
         friction = product(self.slip, self.gap, weight) if self.slip is not None else None
@@ -174,7 +172,7 @@ class Contact:
 
         ``x`` (m) are the rows of this rank.
         """
-        return self._gaps(x) if self.projection is None else self._eliminated.closing(x)
+        return self._gaps(x) if self.traces is None else self._eliminated.closing(x)
 
     def _gaps(self, x: Floats) -> Floats:
         """Return G x, or B x, on every rank."""
@@ -182,7 +180,7 @@ class Contact:
 
     def projected_gap(self, gap: Floats) -> Floats:
         """Return a gap at all points (m) as the law uses it: projected for mortar contact."""
-        return gap if self.projection is None else self._eliminated.projected(gap)
+        return gap if self.traces is None else self._eliminated.projected(gap)
 
     def force(self, pressure: Floats, *, friction: bool = True) -> Floats:
         """Return the forces (N) of a pressure at all points, against the motion; this rank's rows.
@@ -190,7 +188,7 @@ class Contact:
         ``friction`` tells whether to include friction forces.
         """
         friction = friction and self.has_friction
-        if self.projection is not None:
+        if self.traces is not None:
             return self._eliminated.pushed(pressure, friction=friction)
         weighted = self.weight(pressure)
         force = applied(self.gap, weighted, transposed=True)
@@ -206,17 +204,19 @@ class Contact:
         """
         if not self.has_pressure:
             raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
-        if self.projection is None or not self.law.linear:
+        if self.traces is None or not self.law.linear:
             return self.slope * self.closing(x.array_r)
-        return self.projection.pressure(self.slope, self._gaps(x.array_r))
+        compliance = self.compliance(self.slope)
+        pressure = mortar_pressure(self.traces, compliance, self._gaps(x.array_r))
+        destroy(compliance)
+        return pressure
 
     @cached_property
     def _eliminated(self) -> Eliminated:
         """M^-1 between B and B_k, with p = 1 for a nonlinear law."""
-        assert self.projection is not None
-        p = self.slope if self.law.linear else np.ones(len(self.interface.points))
-        compliance = self.compliance(p)
-        made = Eliminated(self.projection, compliance, self.gap, self.slip)
+        weight = self.interface.points.weight
+        compliance = self.compliance(self.slope if self.law.linear else np.ones(len(weight)))
+        made = Eliminated(self.traces, weight, compliance, self.gap, self.slip)
         destroy(compliance)
         return made
 
@@ -231,8 +231,7 @@ class Contact:
 
     def compliance(self, p: Floats) -> Any:
         """Return M of projected gaps, PETSc AIJ, for a stiffness p at all points (N/m^3)."""
-        assert self.projection is not None
-        one = self.projection.compliance(p)
+        one = mortar_compliance(self.interface, self.traces, p)
         if self.coupling != "bonded":
             return one
         every = block_diagonal([one] * self.interface.a.dim).convert("aij")
@@ -269,19 +268,19 @@ def assembled(
     if contact.friction is not None and not frictional:
         contact = replace(contact, of_unit_friction=True)
     interface, points = contact.interface, contact.interface.local_points
-    bonded, projection = contact.coupling == "bonded", None
+    bonded, psi = contact.coupling == "bonded", None
     if contact.is_projected:
         # Open points of a linear law are not projected: their compliance is infinite.
         bearing = (contact.slope > 0) | (not contact.law.linear)
         # Bonded sides constrain the jump along fixed axes, so traces are not split at corners.
         traces = interface.trace_a if bonded else interface.a.split_trace(points.at)
-        projection = MortarProjection.of(interface, traces, bearing)
+        psi = traces_at(interface, traces, bearing)
 
     def operator(direction: Floats) -> Any:
         jump = jump_operator(bodies, contact, direction)
-        if projection is None:
+        if psi is None:
             return jump
-        integrals = product(projection.traces, jump, points.weight)
+        integrals = product(psi, jump, points.weight)
         destroy(jump)
         return integrals
 
@@ -304,7 +303,7 @@ def assembled(
     }
     if moved and (closed := approach_along(contact, points.normal, moved)).any():
         prescribed = closed
-    made = {"gap": gap, "slip": slip, "projection": projection, "lumped": lumped}
+    made = {"gap": gap, "slip": slip, "traces": psi, "lumped": lumped}
     return replace(contact, **made, prescribed=prescribed)
 
 

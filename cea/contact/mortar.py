@@ -12,7 +12,6 @@ zero the sides are open: the integrals exclude the open region, and traces that 
 have no multiplier.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -33,50 +32,40 @@ _INDEPENDENT_CUT = 1e-13
 """The same for traces cut by an open region: sparse factors do not detect such dependence."""
 
 
-@dataclass(frozen=True)
-class MortarProjection:
-    """Projection of functions at segment points on the trace space of side a."""
+def traces_at(interface: Interface, traces: csr_array, closed: NDArray[np.bool_]) -> Any:
+    """Return those of given traces that do not vanish at the closed points, PETSc AIJ (points x m).
 
-    interface: Interface  # segment points
-    traces: Any  # psi at the points, PETSc AIJ (points x m); zero at excluded points
+    ``traces`` are at the points of this rank, ``closed``, shape (n,), at all points; the result is
+    zero at the others.
+    """
+    comm, seen = interface.comm, _at(interface, traces, closed)
 
-    @classmethod
-    def of(
-        cls, interface: Interface, traces: csr_array, closed: NDArray[np.bool_]
-    ) -> "MortarProjection":
-        """Return the projection on those of given traces that do not vanish at the closed points.
+    def on(some: Ints) -> Any:
+        return distributed(csr_array(seen[:, some]), (PETSc.DECIDE, len(some)), comm)
 
-        ``traces`` are at the points of this rank, ``closed``, shape (n,), at all points.
-        """
-        comm, seen = interface.comm, _at(interface, traces, closed)
+    touched = _seen_by_any(seen, comm)
+    every = on(touched)
+    if closed.all():
+        return every
+    cut = np.isin(touched, _seen_by_any(_at(interface, traces, ~closed), comm))
+    gram = mortar_compliance(interface, every, closed.astype(float))
+    kept = _independent(everywhere(gram), cut, comm)
+    destroy(gram, every)
+    return on(touched[kept])
 
-        def on(some: Ints) -> MortarProjection:
-            columns = csr_array(seen[:, some])
-            return cls(interface, distributed(columns, (PETSc.DECIDE, len(some)), comm))
 
-        touched = _seen_by_any(seen, comm)
-        every = on(touched)
-        if closed.all():
-            return every
-        cut = np.isin(touched, _seen_by_any(_at(interface, traces, ~closed), comm))
-        gram = every.compliance(closed.astype(float))
-        kept = _independent(everywhere(gram), cut, comm)
-        destroy(gram, every.traces)
-        return on(touched[kept])
+def mortar_compliance(interface: Interface, traces: Any, stiffness: Floats) -> Any:
+    """Return M, PETSc AIJ (m x m), symmetric to the last bit, for a stiffness at all points."""
+    own, area = stiffness[interface.rows], interface.local_points.weight
+    share = np.divide(area, own, out=np.zeros(len(own)), where=own > 0)
+    return symmetric_product(traces, share)
 
-    def compliance(self, stiffness: Floats) -> Any:
-        """Return M, PETSc AIJ (m x m), symmetric to the last bit, for a stiffness at all points."""
-        own, area = stiffness[self.interface.rows], self.interface.local_points.weight
-        share = np.divide(area, own, out=np.zeros(len(own)), where=own > 0)
-        return symmetric_product(self.traces, share)
 
-    def pressure(self, stiffness: Floats, integrals: Floats) -> Floats:
-        """Return the pressure lambda_h (N/m^2) at all points, on every rank, from p and B x."""
-        compliance = self.compliance(stiffness)
-        multiplier = spsolve(everywhere(compliance).tocsc(), integrals)
-        destroy(compliance)
-        at_points = local_part(self.traces) @ multiplier
-        return np.concatenate(self.interface.comm.allgather(at_points))
+def mortar_pressure(traces: Any, compliance: Any, integrals: Floats) -> Floats:
+    """Return the pressure lambda_h (N/m^2) at all points, on every rank, from M and B x."""
+    multiplier = spsolve(everywhere(compliance).tocsc(), integrals)
+    at_points = local_part(traces) @ multiplier
+    return np.concatenate(traces.comm.tompi4py().allgather(at_points))
 
 
 class Eliminated:
@@ -91,22 +80,22 @@ class Eliminated:
     law.
     """
 
-    def __init__(self, projection: MortarProjection, M: Any, gap: Any, slip: Any | None) -> None:
-        self._projection, self._gap, dense = projection, gap, everywhere(M).toarray()
+    def __init__(self, traces: Any, weight: Floats, M: Any, gap: Any, slip: Any | None) -> None:
+        self._traces, self._weight, self._gap = traces, weight, gap
+        dense = everywhere(M).toarray()
         scale = 1 / np.sqrt(np.diag(dense))
         scaled = scale[:, None] * dense * scale
         factor, order, rank, _ = lapack.dpstrf(scaled, tol=_INDEPENDENT)
-        self._traces = order[:rank] - 1  # linearly independent traces
-        self._scale, self._factor = scale[self._traces, None], np.triu(factor[:rank, :rank])
-        wholes = [everywhere(each)[self._traces] for each in (gap, slip) if each is not None]
+        self._kept = order[:rank] - 1  # linearly independent traces
+        self._scale, self._factor = scale[self._kept, None], np.triu(factor[:rank, :rank])
+        wholes = [everywhere(each)[self._kept] for each in (gap, slip) if each is not None]
         self._columns = np.unique(np.concatenate([w.indices[w.data != 0] for w in wholes]))
         self._integrals = [whole[:, self._columns].toarray() for whole in wholes]
-        self._weight = projection.interface.points.weight
 
     @cached_property
     def _at_points(self) -> csr_array:
         """N, traces at all points, shape (n, m)."""
-        return csr_array(everywhere(self._projection.traces)[:, self._traces])
+        return csr_array(everywhere(self._traces)[:, self._kept])
 
     def closing(self, x: Floats) -> Floats:
         """Return N M^-1 B x for unknowns x, the rows of this rank, shape (n,)."""

@@ -7,6 +7,13 @@ may overlap, and clipped there. Cells bounded by parameter lines of both sides, 
 on flat facets, are clipped exactly; other edges are approximated by polylines. Where the boundary
 of b is concave, or crosses that of a at a small angle, polylines extend slightly beyond it: points
 there that have no opposite point are dropped.
+
+A cell of b may overlap a cell of a only partly, so that some of its corners lie outside. Outside,
+the polynomials of the cell are extrapolated, which keeps parameter lines straight in its
+coordinates. Far outside, the polynomials fold over or come full circle, and a corner would appear
+on the wrong side. Coordinates are therefore continued along the straight line from the centre of
+the cell to the point, as long as the tangents turn by less than a right angle. The rest of the
+line, if any, is projected on the tangent plane at the centre.
 """
 
 from dataclasses import dataclass
@@ -17,8 +24,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
-from cea.contact.cell_coordinates import continued_coordinates
-from cea.location import cross
+from cea.errors import ConvergenceError
+from cea.location import cross, newton_step
 from cea.surface import Surface
 from cea.surface_points import SurfaceCells, SurfaceCoordinates, SurfacePoints, gauss_rule
 
@@ -32,6 +39,12 @@ _SLIVER = 1e-14  # segments below this area, relative to their cell, are dropped
 _POLYLINE = 16
 """Largest number of pieces of the polyline for an edge of b that is curved in a's coordinates."""
 _CHUNK = 10_000  # pairs of cells per chunk
+_NEWTON = 1e-9
+"""Newton step, relative to the cell, that ends the iteration; the error is its square."""
+_MAX_ITERATIONS = 60
+_SHORTEST = 2.0**-6  # damping factor below which continuation along a line stops
+_FOLDED = 1e-8
+"""Determinant of the deformation, relative to a power of its trace, that indicates a fold."""
 
 
 def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> SurfacePoints:
@@ -41,7 +54,7 @@ def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> 
     degrees of both traces. The surfaces are within ``reach`` (m); parts of a without an opposite
     cell of b have no points. Raise ConvergenceError if a cell of b cannot be mapped to one of a.
     """
-    sides = _Sides(a, a.cells(), b, b.cells())
+    sides = _Sides(a, a.cells, b, b.cells)
     pairs = sides.near(reach)
     parts = [(np.zeros(0, dtype=np.int64), np.zeros((0, a.dim - 1)), np.zeros(0))]
     if a.dim == 2 and len(pairs):
@@ -82,7 +95,7 @@ class _Sides:
         """Return True for points inside their cells of b, or located elsewhere on b."""
         corners = self.cells_b.corners[cell]
         element = self.cells_b.element[cell]
-        xi = continued_coordinates(self.b, element, corners, points.x[:, None])
+        xi = _continued_coordinates(self.b, element, corners, points.x[:, None])
         edge = np.roll(corners, -1, axis=1) - corners
         arm = xi - corners
         turn = edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0]
@@ -108,10 +121,8 @@ class _Sides:
     def outlines_in_a(self, pairs: Ints, pieces: int) -> Floats:
         """Return outlines of cells of b in the extrapolated coordinates of cells of a."""
         x = _outlines(self.b, self.cells_b, pairs[:, 1], pieces)
-        own = pairs[:, 0]
-        return continued_coordinates(
-            self.a, self.cells_a.element[own], self.cells_a.corners[own], x
-        )
+        cells, own = self.cells_a, pairs[:, 0]
+        return _continued_coordinates(self.a, cells.element[own], cells.corners[own], x)
 
     def intervals(self, pairs: Ints, points: int | None) -> tuple[Ints, Floats, Floats]:
         """Return Gauss points of the refinement of two curves: cell of a, xi, reference weight."""
@@ -130,9 +141,8 @@ class _Sides:
         tensor = self.cells_a.tensor or self.cells_b.tensor
         own = self.cells_a.corners[pairs[:, 0]]
         smallest = np.ptp(own, axis=1).min(axis=1)
-        owner, overlap = _clip(
-            own, _simplified(self.outlines_in_a(pairs, pieces), pieces, smallest)
-        )
+        other = _simplified(self.outlines_in_a(pairs, pieces), pieces, smallest)
+        owner, overlap = _clip(own, other)
         on_triangles = points or (2 * degree if tensor else degree) + 1
         return _rule_on(owner, overlap, points or degree + 1, on_triangles)
 
@@ -230,3 +240,100 @@ def _rule_on_cells(
     t, w = gauss_rule(n, corners.shape[2], simplex=simplex)
     at, extent = SurfaceCells(owner, corners, n, not simplex).coordinates(t)
     return at.element, at.xi, (extent[:, None] * w).ravel()
+
+
+def _continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: Floats) -> Floats:
+    """Return coordinates of points projected on cells along the normals at the cell centres."""
+    m = x.shape[1]
+    middle = corners.mean(axis=1)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    normal = surface.normal(SurfaceCoordinates(element, middle))
+    _, tangents = surface.tangents(element, middle)
+    inverse = np.linalg.inv(np.concatenate([tangents, -normal[:, :, None]], axis=2))
+    chart = _Lines(surface, element, middle, high - low, normal, inverse)
+    cell = np.repeat(np.arange(len(element)), m)
+    points = x.reshape(len(cell), -1)
+
+    xi, met = chart.follow(cell, points)
+    xi[~met] = chart.beyond(cell[~met], xi[~met], points[~met])
+    lost = ~met & ((xi >= low[cell]) & (xi <= high[cell])).all(axis=1)
+    xi = xi.reshape(*x.shape[:2], -1)
+    if lost.any():
+        raise ConvergenceError(
+            f"{lost.sum()} of {len(points)} points cannot be mapped to cells of {surface.name}: "
+            "some of its cells turn by a right angle or are folded; refine them",
+            best=xi,
+        )
+    return xi
+
+
+@dataclass(frozen=True)
+class _Lines:
+    """Straight lines from the centres of cells, projected along the normals at the centres."""
+
+    surface: Surface
+    element: Ints  # element of each cell, (n,)
+    middle: Floats  # reference coordinates of its centre, (n, dim - 1)
+    extent: Floats  # size of the cell in each coordinate, (n, dim - 1)
+    normal: Floats  # unit normal at its centre, (n, dim)
+    inverse: Floats  # inverse of [tangents, -normal] at the centre, (n, dim, dim)
+
+    def follow(self, cell: Ints, x: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Continue along the line to each point while the polynomials are valid.
+
+        Newton's method, damped by the monotonicity test with the simplified Newton step
+        (Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3), stays on the line and
+        never reaches coordinates beyond a fold or a full circle.
+        """
+        xi = self.middle[cell]
+        met = np.zeros(len(xi), dtype=bool)
+        active = np.arange(len(xi))
+        damping = np.ones(len(xi))
+        position, known = self.surface.tangents(self.element[cell], xi)
+        step = newton_step(known, self.normal[cell], x - position)
+        # Trial points far outside may overflow or meet a pole of a rational face.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            for _ in range(_MAX_ITERATIONS):
+                met[active] = self._size(cell[active], step[active]) <= _NEWTON
+                done = active[met[active]]
+                xi[done] += step[done]
+                active = active[~met[active] & (damping[active] >= _SHORTEST)]
+                if not active.size:
+                    break
+                at, factor = cell[active], damping[active]
+                tried = xi[active] + factor[:, None] * step[active]
+                position, tangents = self.surface.tangents(self.element[at], tried)
+                rest = x[active] - position
+                trusted = self._trusted(at, position, tangents)
+                nearer = np.zeros(len(active), dtype=bool)
+                again = newton_step(known[active[trusted]], self.normal[at[trusted]], rest[trusted])
+                nearer[trusted] = self._size(at[trusted], again) <= (
+                    1 - factor[trusted] / 4
+                ) * self._size(at[trusted], step[active[trusted]])
+                taken = active[nearer]
+                xi[taken] = tried[nearer]
+                known[taken] = tangents[nearer]
+                step[taken] = newton_step(known[taken], self.normal[at[nearer]], rest[nearer])
+                damping[active] = np.where(nearer, np.minimum(1.0, 2 * factor), factor / 2)
+        return xi, met
+
+    def beyond(self, cell: Ints, xi: Floats, x: Floats) -> Floats:
+        """Continue from xi to the points in the tangent planes at the centres."""
+        position, _ = self.surface.tangents(self.element[cell], xi)
+        return xi + np.einsum("nij,nj->ni", self.inverse[cell, :-1], x - position)
+
+    def _size(self, cell: Ints, step: Floats) -> Floats:
+        """Return the largest component of a step, relative to the cell."""
+        return np.abs(step / self.extent[cell]).max(axis=1)
+
+    def _trusted(self, cell: Ints, position: Floats, tangents: Floats) -> NDArray[np.bool_]:
+        """Return True where tangents are not folded and turn by less than a right angle.
+
+        The trace of a map in the plane is positive if its polar rotation is below a right angle.
+        """
+        trusted = np.isfinite(position).all(axis=1) & np.isfinite(tangents).all(axis=(1, 2))
+        change = self.inverse[cell[trusted], :-1] @ tangents[trusted]
+        trace = np.trace(change, axis1=1, axis2=2)
+        folded = np.linalg.det(change) <= _FOLDED * trace ** change.shape[1]
+        trusted[trusted] = ~folded & (trace > 0)
+        return trusted

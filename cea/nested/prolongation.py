@@ -14,8 +14,7 @@ from typing import Any
 
 from scipy.sparse import csr_array, eye_array, kron
 
-from cea.body import Body
-from cea.body.body import free_operator
+from cea.body import Body, free_operator
 from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, identity
 

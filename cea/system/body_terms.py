@@ -259,10 +259,8 @@ class BodyTerms:
             return
         alpha = self._mass.times(f"{self.path}.damping.alpha").times(rate)
         yield Term("stiffness", self.placed(B), alpha, symmetric=False)
-        left, right = (
-            self.placed(self.body.elastic_stiffness(), columns=False),
-            self.placed(B, rows=False),
-        )
+        left = self.placed(self.body.elastic_stiffness(), columns=False)
+        right = self.placed(B, rows=False)
         beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
         yield UnformedTerm(Circulatory(left, self.body.mass(), right), beta)
 

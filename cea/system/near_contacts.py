@@ -124,9 +124,8 @@ def _acts_on(matrices: Matrices, dofs: Floats) -> bool:
 def _of_columns(forces: Multipliers, dofs: Any) -> Multipliers:
     """Return contact forces by their closures and reactions at some dofs, PETSc index set."""
     rows = _index_set(np.ones(forces.closure.getLocalSize()[0], bool), forces.closure)
-    closure, reaction = (
-        each.createSubMatrix(rows, dofs) for each in (forces.closure, forces.reaction)
-    )
+    closure = forces.closure.createSubMatrix(rows, dofs)
+    reaction = forces.reaction.createSubMatrix(rows, dofs)
     destroy(rows)
     border = forces.border and forces.border.copy()
     return Multipliers(closure, reaction, forces.compliance.copy(), border, forces.tied)

@@ -144,11 +144,7 @@ def contact_state(contact: Contact, closure: Floats) -> ContactState:
 
 
 def uniqueness_at(
-    tangent: Matrices,
-    factors: Shifted,
-    parities: Mapping[float, int | None],
-    *,
-    unstable: bool,
+    tangent: Matrices, factors: Shifted, parities: Mapping[float, int | None], *, unstable: bool
 ) -> Uniqueness | None:
     """Return uniqueness information from a tangent; None if it is symmetric."""
     if tangent.symmetric:

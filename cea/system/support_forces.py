@@ -162,7 +162,7 @@ def contact_forces(
         every = [whole[half.name] for half in halves]
         reactions = [_difference(m.gap, m.slip if m.has_friction else None) for m in every]
         parts = [local_part(each) for each in reactions]
-        if halves[0].projection is None:
+        if halves[0].traces is None:
             parts = [few_forces(halves, parts)[1]]
         rows = csr_array(vstack(parts))
         f, multipliers = np.split(multipliers, [rows.shape[0]])

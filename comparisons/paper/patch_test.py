@@ -246,8 +246,8 @@ class Setting(Figure):
             ("E", material.means[0], "N/m²", ""),
             ("nu", material.means[2], "", ""),
             ("pressure", scene.loads[0].pressure, "N/m²", ""),
-            ("elements of a", len(upper.cells().element), "", ""),
-            ("elements of b", len(lower.cells().element), "", ""),
+            ("elements of a", len(upper.cells.element), "", ""),
+            ("elements of b", len(lower.cells.element), "", ""),
         ]
         for what, rule in _POINTS.items():
             own = rule if mesh == "NURBS" else as_lagrange(rule)

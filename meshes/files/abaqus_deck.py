@@ -10,7 +10,7 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
-from meshes.files.sandbox import text_with_included
+from meshes.files.reading import text_with_included
 
 _KEYWORD = re.compile(r"^[ \t]*\*((?:[^\n]*,[ \t]*\n(?![ \t]*\*))*[^\n]*)", re.MULTILINE)
 """A line that begins with one star, continued after a final comma."""

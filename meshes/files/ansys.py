@@ -18,7 +18,7 @@ from meshes.files.content import (
     rows_of,
     without_nodes,
 )
-from meshes.files.sandbox import arrays_of, library
+from meshes.files.reading import arrays_of, library
 
 _HEAD = 10
 """Numbers of an element before its nodes: material, type, ..., its number."""

@@ -13,7 +13,7 @@ from cea.errors import require
 from cea.mesh import SIMPLICES, lattice, matching_nodes
 from meshes.files.content import ElementBlock, FileContent, known_rows, rows_of, without_copies
 from meshes.files.elements import DIVIDED, full_kind
-from meshes.files.sandbox import arrays_of
+from meshes.files.reading import arrays_of
 
 _CELLS = {
     "Triangle": "triangle",

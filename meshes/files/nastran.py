@@ -18,7 +18,7 @@ from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from meshes.files.content import ElementBlock, FileContent, Role, block, rows_of, without_nodes
 from meshes.files.elements import CORNERS
-from meshes.files.sandbox import text_with_included
+from meshes.files.reading import text_with_included
 
 _NAME = re.compile(r"[A-Z][A-Z0-9]*")
 _REAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[DE]?([+-]\d+)|[DE](\d+))?", re.ASCII)

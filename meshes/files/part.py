@@ -282,9 +282,8 @@ def _crossing(corners: Ints, marks: NDArray[np.uint64]) -> int | None:
     _, same, times = np.unique(sums, return_inverse=True, return_counts=True)
     free = times[same] == 1
     triangles, owners, sums = triangles[free], owners[free], sums[free]
-    ends = np.concatenate(
-        [marks[triangles[:, [a, b]]].sum(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
-    )
+    edges = ([0, 1], [1, 2], [2, 0])
+    ends = np.concatenate([marks[triangles[:, edge]].sum(axis=1) for edge in edges])
     order = np.argsort(ends, kind="stable")
     rows = np.tile(np.arange(len(triangles)), 3)[order]
     pair = np.flatnonzero(np.diff(ends[order]) == 0)

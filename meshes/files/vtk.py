@@ -16,7 +16,7 @@ from cea.errors import InputError, require
 from cea.files import regular
 from meshes.files.content import ElementBlock, FileContent, block, without_copies
 from meshes.files.elements import KINDS
-from meshes.files.sandbox import library
+from meshes.files.reading import library
 
 _CELLS = {"quad": "quadrilateral", "tetra": "tetrahedron"}
 """Cells that meshio calls by other names than :data:`meshes.files.elements.KINDS`."""

@@ -10,9 +10,8 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
-from cea.contact.friction import Friction
 from cea.contact.interface import default_reach, pair
-from cea.contact.laws import LinearLaw, NormalLaw, Sliding
+from cea.contact.laws import Friction, LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError, require
 from cea.expressions import evaluate
 from cea.mesh import Mesh
@@ -84,8 +83,9 @@ def build_body(
         from meshes.nurbs_shapes import nurbs_shape
 
         breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
-        shape, c = nurbs_shape(spec.geometry, breaks, spec.placement), mesh.continuity
-        space = NurbsSpace(shape.patches, shape.faces, mesh.degree, continuity=c, field=field)
+        patches, faces = nurbs_shape(spec.geometry, breaks, spec.placement)
+        continuity = mesh.continuity
+        space = NurbsSpace(patches, faces, mesh.degree, continuity=continuity, field=field)
     else:
         raise InputError(f"{field}.mesh.iga", None, "needed for 'iga'")
     applied = [each.applied for each in loads]

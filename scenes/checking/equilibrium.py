@@ -24,7 +24,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
-from cea.body.space import VolumeCells
+from cea.body import VolumeCells
 from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
 from cea.ranks import agreed, made_on_first
@@ -160,7 +160,7 @@ def _closed_zone(x: Floats, closure: Floats) -> tuple[float, Floats, Floats] | N
 
 def _mean_size(surface: Surface, points: Floats, across: Floats) -> float:
     """Return the mean extent (m) along a direction of the elements of a side at points."""
-    cells = surface.cells()
+    cells = surface.cells
     count, corners = cells.corners.shape[:2]
     at = SurfaceCoordinates(
         np.repeat(cells.element, corners), cells.corners.reshape(count * corners, -1)

@@ -56,7 +56,7 @@ def _waves(surface: Surface, place: str, shapes: Shapes) -> tuple[Floats, Floats
     element, is the squared phase change of a wave over one element. The amplitude is the root mean
     square of the displacements. Both have one entry per mode; collective if ``shapes`` is.
     """
-    cells = surface.cells()
+    cells = surface.cells
     steps, corners = max(2, cells.degree), cells.corners
     edges = corners.shape[2]  # one along curves, two along surfaces
     t = np.linspace(0.0, 1.0, steps + 1)[:, None]

@@ -19,11 +19,10 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
-from cea.body import Body
-from cea.body.space import VolumeCells
+from cea.body import Body, VolumeCells
 from cea.contact.contact import Contact
-from cea.contact.friction import Circumferential
-from cea.contact.sampling import nested, sampling
+from cea.contact.interface import nested, sampling
+from cea.contact.laws import Circumferential
 from cea.errors import ResultWarning
 from cea.expressions import evaluate
 from cea.motion import Rotation

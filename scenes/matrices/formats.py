@@ -1,6 +1,6 @@
 """Script that reads the matrices of a file of another program and writes them as arrays (.npz).
 
-It runs in a separate process (:mod:`meshes.files.sandbox`), since a broken file may crash a reader.
+It runs in a separate process (:mod:`meshes.files.reading`), since a broken file may crash a reader.
 It writes shape, rows, columns and entries of each matrix by name, which is "" except for MATLAB
 files; for Abaqus matrices with labels also the node and degree of freedom of each row.
 """

@@ -21,7 +21,7 @@ from cea.errors import InputError, require
 from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
-from meshes.files.sandbox import arrays_of
+from meshes.files.reading import arrays_of
 from scenes.spec.matrices import ROLES, MatrixScene
 
 _LARGEST_SIZE = 50_000_000

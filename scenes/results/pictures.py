@@ -22,7 +22,7 @@ from vtkmodules.vtkCommonDataModel import (
 )
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.body.space import VolumeCells
+from cea.body import VolumeCells
 from cea.files import write_whole
 from cea.petsc import MPI
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from cea.arrays import Complexes
-from cea.body.body import free_operator
+from cea.body import free_operator
 from cea.eigen.block_products import times
 from cea.eigen.multipliers import with_unformed
 from cea.eigen.pencil import Pencil, Term

@@ -9,12 +9,12 @@ import numpy as np
 
 from cea.arrays import Floats, of_size_one
 from cea.contact.formulations import registered
-from cea.errors import InputError, did_you_mean
+from cea.errors import InputError, did_you_mean, require
 from cea.expressions import Expression
 from cea.motion import Rotation
 from cea.supports.boundary import Support, check_surface
 from meshes.breaks import breaks_of
-from meshes.edge_layers import check_room, run_along
+from meshes.edge_layers import TOO_FEW, fit, run_along
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
@@ -264,7 +264,7 @@ def _elements_checks(faults: Faults, place: str, body: BodySpec, mesh: FeMesh | 
             run_along(shape, edges)
         breaks = breaks_of(shape, elements, through)
         if edges:
-            check_room(shape, breaks, edges)
+            require(fit(shape, breaks, edges), "elements", elements, TOO_FEW)
     except InputError as fault:
         value = tuple(elements) if fault.field == "elements" else fault.value
         faults.append(InputError(f"{place}.{fault.field}", value, fault.allowed))

@@ -8,8 +8,7 @@ from pydantic import Discriminator, Field, GetCoreSchemaHandler, GetPydanticSche
 from pydantic_core import CoreSchema
 
 from cea.contact.formulations import Form, Formulation, registered
-from cea.contact.friction import AlongField, AlongVector, Circumferential
-from cea.contact.laws import NormalCompliance
+from cea.contact.laws import AlongField, AlongVector, Circumferential, NormalCompliance
 from cea.errors import require
 from cea.expressions import Expression
 from scenes.spec.body import Backend

@@ -25,18 +25,16 @@ from cea.contact.formulations import (
     NodeToSurface,
     Segments,
 )
-from cea.contact.friction import AlongVector, Friction
 from cea.contact.interface import default_reach, pair
-from cea.contact.laws import LinearLaw
+from cea.contact.laws import AlongVector, Friction, LinearLaw
 from cea.eigen.driver import solve_modes
 from cea.material import IsotropicMaterial
 from cea.mesh import facet_nodes
 from cea.supports.boundary import Support
 from cea.system.coupled import couple
 from meshes.nurbs_shapes import nurbs_shape
-from meshes.shape_mesh import shape_mesh
+from meshes.shape_mesh import divided, shape_mesh
 from meshes.shapes import Box, Rectangle
-from meshes.structured import divided
 
 MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
 KINDS = {
@@ -67,7 +65,7 @@ def part(name, kind, dim, *, together=True, supports=()):
     conditions = {"degree": 2, "material": MATERIAL, "supports": supports}
     if kind == "nurbs":
         boxes = list(product(lines, repeat=dim))[: -1 if name == "seat" else None]  # no corner
-        patches = [nurbs_shape(_box(each), each).patches[0] for each in boxes]
+        patches = [nurbs_shape(_box(each), each)[0][0] for each in boxes]
         ends = np.array(list(product(range(len(boxes)), range(dim), (0, 1))))
         middle = np.array([[line.mean() for line in boxes[number]] for number, _, _ in ends])
         for row, (number, axis, end) in zip(middle, ends, strict=True):

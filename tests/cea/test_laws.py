@@ -7,9 +7,8 @@ import pytest
 from blocks import assemble, coarse, two_blocks
 from petsc_matrices import to_numpy
 
-from cea.contact.friction import Friction
 from cea.contact.interface import pair
-from cea.contact.laws import LinearLaw, NormalCompliance
+from cea.contact.laws import Friction, LinearLaw, NormalCompliance
 from cea.errors import InputError
 from cea.matrices import applied
 

@@ -15,7 +15,7 @@ from dolfinx.fem.petsc import assemble_matrix
 from mpi4py import MPI
 from petsc_matrices import to_numpy
 
-import cea.body.body
+import cea.body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.mesh import DIMENSION, Mesh
@@ -159,7 +159,7 @@ def test_models_that_are_no_mesh_of_one_kind_are_refused():
 
 
 def test_the_example_of_the_docstring_runs():
-    results = doctest.testmod(cea.body.body)
+    results = doctest.testmod(cea.body)
     assert results.failed == 0 < 4 < results.attempted
 
 

@@ -8,8 +8,8 @@ from bodies import FLAT, ROUND, body_of, lagrange_body, shape_body
 from bodies import PLASTIC as MATERIAL
 from scipy.sparse.linalg import spsolve
 
-from cea.location import Chart
 from cea.mesh import DIMENSION
+from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
@@ -56,7 +56,7 @@ def test_polynomials_of_the_degree_are_exact(cell, degree):
 
 
 class EveryPair:
-    """Chart that tries every facet for every point."""
+    """Surface that tries every facet for every point."""
 
     def __init__(self, surface):
         self._surface = surface
@@ -88,7 +88,7 @@ def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
     found = surface.locate(x, aim, 0.1)
     assert 0.05 * count < found.missed.sum() < 0.9 * count
     for part in np.split(np.arange(count), range(2000, count, 2000)):
-        slow = Chart.locate(EveryPair(surface), x[part], aim[part], 0.1)
+        slow = Surface.locate(EveryPair(surface), x[part], aim[part], 0.1)
         assert np.array_equal(found.status[part], slow.status)
         hit = ~slow.missed
         np.testing.assert_allclose(found.distance[part][hit], slow.distance[hit], atol=1e-8)

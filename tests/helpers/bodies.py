@@ -52,9 +52,9 @@ def shape_body(shape, cell, degree, mesh, *, order=None, placement=PLAIN, **opti
     options.setdefault("material", PLASTIC)
     given = {"size": mesh} if isinstance(mesh, float) else {"breaks": breaks_of(shape, mesh)}
     if cell is None:
-        data = nurbs_shape(shape, given["breaks"], placement)
+        patches, faces = nurbs_shape(shape, given["breaks"], placement)
         degrees = degree if isinstance(degree, tuple) else (degree,) * len(mesh)
-        return nurbs_body("part", data.patches, data.faces, degrees, **options)
+        return nurbs_body("part", patches, faces, degrees, **options)
     made = made_on_first(
         MPI.COMM_WORLD,
         lambda: shape_mesh(shape, cell, order or degree, placement=placement, **given),

@@ -49,7 +49,7 @@ def turned(patch: NurbsPatch, axes: tuple[int, ...], flip: int) -> NurbsPatch:
 def two_sectors(elements, degree, axes, flip, **options) -> Body:
     """Body of two sectors, the parameters of the second in another order, one of them reversed."""
     shapes = (Sector(0.8, 1.7, a, b, -0.1, 0.2) for a, b in ((10.0, 60.0), (60.0, 95.0)))
-    one, other = (nurbs_shape(s, breaks_of(s, elements), TILTED).patches[0] for s in shapes)
+    one, other = (nurbs_shape(s, breaks_of(s, elements), TILTED)[0][0] for s in shapes)
     options.setdefault("material", STEEL)
     return nurbs_body("part", [one, turned(other, axes, flip)], degree=degree, **options)
 

@@ -18,7 +18,7 @@ N = 24
 
 
 def read_here(program, file):
-    """What a program of :mod:`meshes.files.sandbox` reads, without starting another python.
+    """What a program of :mod:`meshes.files.reading` reads, without starting another python.
 
     Programs that read meshes leave gmsh initialised.
     """

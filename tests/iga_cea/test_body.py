@@ -25,7 +25,7 @@ def box_patch(x=0.0, y=0.0, z=0.0, size=(1.0, 1.0, 1.0), between=(0.5,)) -> Nurb
     shape = Box(size, (x, y, z))
     ends = [np.array(e) for e in shape.extent]
     ends[1] = y + size[1] * np.array([0.0, *between, 1.0])
-    return nurbs_shape(shape, tuple(ends)).patches[0]
+    return nurbs_shape(shape, tuple(ends))[0][0]
 
 
 def joined(*patches, degree=(2, 2, 2)):
@@ -38,7 +38,7 @@ def joined(*patches, degree=(2, 2, 2)):
 def test_joints_are_found_whatever_the_parameters(axes: tuple[int, ...], flip: int) -> None:
     """Two boxes side by side, the second turned and flipped: same spectrum as one box."""
     first, second = (
-        nurbs_shape(Box((1.0, 1.0, 0.5), (x, 0.0, 0.0)), (x + halves, thirds, ends)).patches[0]
+        nurbs_shape(Box((1.0, 1.0, 0.5), (x, 0.0, 0.0)), (x + halves, thirds, ends))[0][0]
         for halves, thirds, ends in [map(np.array, ([0, 0.5, 1.0], [0, 0.3, 1.0], [0, 0.5]))]
         for x in (0.0, 1.0)
     )
@@ -133,9 +133,11 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     """
     h, material = 0.01, IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
     shape = Disc(1.0, -h / 2, h / 2)
-    data = nurbs_shape(shape, breaks_of(shape, (12, 16, 1), {"r": [0.95, 0.97, 0.985, 0.995]}))
+    patches, faces = nurbs_shape(
+        shape, breaks_of(shape, (12, 16, 1), {"r": [0.95, 0.97, 0.985, 0.995]})
+    )
     options = {"material": material, "supports": [Support("outer")]}
-    part = nurbs_body("disc", data.patches, {"outer": data.faces["outer"]}, (4, 4, 3), **options)
+    part = nurbs_body("disc", patches, {"outer": faces["outer"]}, (4, 4, 3), **options)
     K, M = to_scipy(part.stiffness()).tocsc(), to_scipy(part.mass()).tocsc()
     kappa = np.sort(eigsh(K, 6, M, sigma=0, return_eigenvectors=False))
     rigidity = 2.0 * h**3 / (12 * (1 - 0.3**2))

@@ -31,7 +31,7 @@ DEGREES = (2, 3, 5, 8)
 def distorted(shape, elements, degree, *, weights, **options) -> Body:
     """Body of a shape with its control points moved, and its weights changed if wanted."""
     placement = TILTED if len(elements) == 3 else TURNED
-    (whole,) = nurbs_shape(shape, breaks_of(shape, elements), placement).patches
+    ((whole,), _) = nurbs_shape(shape, breaks_of(shape, elements), placement)
     fine = refine(whole, whole.degrees, [p - 1 for p in whole.degrees])
     rng = np.random.default_rng(3)
     moved = fine.control_points + 0.02 * rng.uniform(-1, 1, fine.control_points.shape)
@@ -50,7 +50,7 @@ def along(axis, q):
 def bulging():
     """A box one control point of which is moved, where the points tried first do not feel it."""
     shape = Box((1.0, 12.0, 1.0))
-    (whole,) = nurbs_shape(shape, breaks_of(shape, (3, 12, 1))).patches
+    ((whole,), _) = nurbs_shape(shape, breaks_of(shape, (3, 12, 1)))
     fine = refine(whole, (1, 1, 1), (0, 0, 0))
     moved = fine.control_points.copy()
     moved[1, 4, 0] += 0.1

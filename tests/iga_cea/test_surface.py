@@ -20,7 +20,7 @@ BOX = Box((2.0, 1.0, 0.5), (0.1, 0.2, 0.3))
 
 def test_normals_point_outward_and_cells_are_not_inverted_whatever_the_handedness():
     """A box whose first parameter runs backward."""
-    patch = nurbs_shape(BOX, breaks_of(BOX, (2, 2, 2))).patches[0]
+    patch = nurbs_shape(BOX, breaks_of(BOX, (2, 2, 2)))[0][0]
     mirrored = NurbsPatch(
         patch.degrees, patch.knots, patch.control_points[::-1], patch.weights, patch.breaks
     )
@@ -105,7 +105,7 @@ def test_oblique_lines_meet_a_cylinder_where_they_should():
 def test_the_nearer_side_of_a_plate_is_met(height):
     """Whether it lies close by, or as far as both are looked for."""
     plate = Box((2.7, 2.1, 0.05), (0.0, 0.0, -0.05))
-    patches, faces = nurbs_shape(plate, breaks_of(plate, (9, 7, 1))).patches, [(0, 2, 0), (0, 2, 1)]
+    patches, faces = nurbs_shape(plate, breaks_of(plate, (9, 7, 1)))[0], [(0, 2, 0), (0, 2, 1)]
     part = nurbs_body("plate", patches, {"both": faces}, (2, 2, 2), material=PLASTIC)
     surface = part.surfaces["both"]
     x = np.full((500, 3), height)

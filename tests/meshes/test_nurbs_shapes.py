@@ -21,7 +21,7 @@ from scenes.spec.reading import read_scene
 def test_breaks_of_arcs_are_at_their_angles() -> None:
     shape = RingSector(0.8, 1.7, -70.0, 100.0)
     breaks, angles = breaks_of(shape, (2, 9)), []
-    for patch in nurbs_shape(shape, breaks).patches:
+    for patch in nurbs_shape(shape, breaks)[0]:
         basis = basis_on_grid(patch, [np.array([1.0]), patch.breaks[1]])
         x, y = (basis @ patch.control_points.reshape(-1, 2)).T
         angles += np.rad2deg(np.arctan2(y, x)).tolist()
@@ -41,7 +41,7 @@ def given(patch: NurbsPatch) -> GivenPatch:
 def test_given_patches_are_the_shape_they_describe() -> None:
     """A quarter of an annulus as numbers: the same matrices; placed like any shape."""
     shape = Sector(0.8, 1.7, 0.0, 80.0, -0.1, 0.2)
-    (patch,) = nurbs_shape(shape, breaks_of(shape, (1, 1, 1))).patches
+    ((patch,), _) = nurbs_shape(shape, breaks_of(shape, (1, 1, 1)))
     patches = Patches((given(patch),), {"rim": ((0, 0, 1),), "top": ((0, 2, 1),)})
     assert patches.directions == ("u", "v", "w")
     assert patches.surfaces == ("rim", "top")
@@ -121,7 +121,7 @@ ELEMENTS = {3: (2, 8, 1), 2: (2, 8)}
 def written(folder, ending, dim):
     """A file of the quarters of a ring; the .xml names the outer faces, as boundary 2, ``rim``."""
     splinepy = pytest.importorskip("splinepy")
-    shape = nurbs_shape(SHAPES[dim], breaks_of(SHAPES[dim], ELEMENTS[dim]))
+    made, _ = nurbs_shape(SHAPES[dim], breaks_of(SHAPES[dim], ELEMENTS[dim]))
     fastest_first = tuple(range(dim))[::-1]  # as splinepy lists points
     patches = [
         splinepy.NURBS(
@@ -130,7 +130,7 @@ def written(folder, ending, dim):
             control_points=patch.control_points.transpose(*fastest_first, dim).reshape(-1, dim),
             weights=patch.weights.T.reshape(-1, 1),
         )
-        for patch in shape.patches
+        for patch in made
     ]
     file = folder / f"ring{ending}"
     if ending == ".json":

@@ -11,7 +11,7 @@ from pressed import AREA, PRESSURE, pressed_blocks
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError, InputError
 from cea.system.steady_equations import SteadyEquations, free_tangent
-from cea.system.steady_newton import Iteration, SteadyNewton
+from cea.system.steady_path import Iteration, SteadyNewton
 from cea.system.steady_state import LoadStep, uniqueness_at
 from cea.timing import StageTimer
 from comparisons.stability.scenes import sprag
