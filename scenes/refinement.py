@@ -16,8 +16,7 @@ from math import prod
 from cea.contact.formulations import Mortar
 from cea.errors import InputError
 from cea.mesh import SIMPLICES
-from meshes.breaks import CLOSED, breaks_of, fewest, layered
-from meshes.edge_layers import RATIO, fit
+from meshes.breaks import CLOSED, RATIO, breaks_of, fewest, fit, layered
 from meshes.mesh_file import MeshFile
 from meshes.placement import Placement
 from meshes.shapes import Hub, Shape
