@@ -22,9 +22,8 @@ from scipy.special import roots_jacobi
 from cea.arrays import Floats, Ints
 from cea.errors import require
 from cea.mesh import SIMPLICES, Cell, Mesh, lattice, reference_nodes
-from meshes.breaks import Breaks, blocks_of, check_breaks
+from meshes.breaks import SAME, Breaks, Edge, blocks_of, check_breaks, shortest_step, with_layers
 from meshes.crowned import Crowned
-from meshes.edge_layers import SAME, Edge, shortest_step, with_layers
 from meshes.files.content import first_of_near
 from meshes.patches import Faces
 from meshes.placement import IN_PLACE, Placement

@@ -13,8 +13,7 @@ from cea.errors import InputError, did_you_mean, require
 from cea.expressions import Expression
 from cea.motion import Rotation
 from cea.supports.boundary import Support, check_surface
-from meshes.breaks import breaks_of
-from meshes.edge_layers import TOO_FEW, fit, run_along
+from meshes.breaks import TOO_FEW, breaks_of, fit, run_along
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec

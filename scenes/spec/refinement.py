@@ -17,8 +17,7 @@ from typing import Any, Literal, get_args
 from cea.contact.formulations import Mortar
 from cea.errors import InputError, require
 from cea.mesh import SIMPLICES
-from meshes.breaks import CLOSED, breaks_of, fewest, layered
-from meshes.edge_layers import RATIO, fit
+from meshes.breaks import CLOSED, RATIO, breaks_of, fewest, fit, layered
 from meshes.mesh_file import MeshFile
 from meshes.placement import Placement
 from meshes.shapes import Hub, Shape

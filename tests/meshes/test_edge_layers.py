@@ -5,8 +5,7 @@ from covering import covering
 from gmsh_models import assert_outer_facets_are_named, volumes
 
 from cea.errors import InputError
-from meshes.breaks import breaks_of
-from meshes.edge_layers import RATIO
+from meshes.breaks import RATIO, breaks_of
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector
 
