@@ -42,6 +42,8 @@ class Search:
         rotation), and the discs that were searched.
     factorisations
         Number of factorisations so far.
+    scale
+        Size of eigenvalues lambda (1/s): omega, or less where the window is far wider than needed.
     reach, decay
         Ends of the window (1/s): Im lambda <= reach and Re lambda >= -decay. Infinite where every
         eigenvalue of a disc is wanted.
@@ -62,7 +64,7 @@ class Search:
         self.found: InvariantSubspace | None = None
         self.discs: list[Disc] = []
         self.factorisations = 0
-        self.reach = self.decay = np.inf
+        self.scale, self.reach, self.decay = end, np.inf, np.inf
         self.growth, self.bounded = 0.0, False
         self.counted: int | None = None
         self.most, self.crowded = sys.maxsize, ""
@@ -114,7 +116,7 @@ class Search:
             self.free()
             kind = Companion if self.matrices.quadratic else ShiftInvert
             with self.factorising():
-                self._op = kind(self.matrices, shift, self.end, self.reach, self.decay)
+                self._op = kind(self.matrices, shift, self.scale, self.reach, self.decay)
             if (parity := self._op.factors.parity()) is not None:
                 self.parities[shift] = parity
         return self._op
@@ -126,6 +128,14 @@ class Search:
         if self._op is not None and (not near or self._op.shift in near):
             return self._op
         return self.at(near[0])
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether all eigenvalues of the window were found, or as many as there are."""
+        assert self.found is not None
+        finite = self.matrices.size - self.matrices.tied
+        every = 2 * finite if self.matrices.quadratic else finite
+        return self.found.whole or self.found.size >= every
 
     def odd(self, shift: float | None = None) -> bool:
         """Whether the sign of a determinant shows that a real eigenvalue beyond a shift is missing.

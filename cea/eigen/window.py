@@ -40,6 +40,8 @@ alone."""
 _DECAY = 0.1
 """Default decay rate d of a damped window relative to omega, and least first shift, which keeps it
 as far from eigenvalues of small growth rate."""
+_FAR = 1e-3
+"""Size of the largest eigenvalue relative to the shift below which eigenvalues lose digits."""
 _CROWDED, _FEW = 4, 100
 """Largest number of eigenvalues in a disc: a multiple of the number of undamped modes in the
 window, and a constant added to it."""
@@ -97,11 +99,11 @@ def _undamped(search: Search) -> Plan:
             if around <= _AROUND * radius:
                 radius, reached = max(radius, around), depth
                 break
-    yield middle, radius
+    yield from _first(search, middle, radius)
     while True:
         assert search.found is not None
         search.growth = float(np.sqrt(max(reached, 0.0)))
-        bounded = search.found.whole or reached >= bound
+        bounded = search.exhausted or reached >= bound
         if not bounded and search.counted is not None:
             bounded = int(np.sum(search.found.eigenvalues.real < upper)) >= search.counted
         elif not bounded and reached > 0:
@@ -112,6 +114,22 @@ def _undamped(search: Search) -> Plan:
         centre = touching_disc(top, depth)
         yield centre, distance_within(top, centre, -depth, -reached)
         reached, depth = depth, _FARTHER * depth
+
+
+def _first(search: Search, centre: float, radius: float) -> Plan:
+    """Yield the first disc; again about a nearer shift if all eigenvalues are far smaller."""
+    yield centre, radius
+    for _ in range(ATTEMPTS):
+        if search.found is None or not search.exhausted:
+            return
+        found = search.found
+        largest = float(np.abs(found.eigenvalues).max(initial=0.0))
+        if not 0 < largest < _FAR * centre:
+            return
+        centre = SHIFT * largest
+        search.scale = largest if search.matrices.quadratic else float(np.sqrt(largest))
+        search.found, search.discs = None, []
+        yield centre, radius
 
 
 def _bounds(search: Search) -> Iterator[Matrices]:
@@ -137,7 +155,7 @@ def _damped(search: Search, asked: float | None) -> Plan:
     search.growth = 2 * centre + search.decay
     while True:
         assert search.found is not None
-        bounded = search.found.whole or search.growth >= largest
+        bounded = search.exhausted or search.growth >= largest
         if not bounded:
             with search.factorising():
                 bounded = bounded_growth(matrices, search.growth, end)
@@ -168,7 +186,7 @@ def _not_crowded(search: Search, largest: float, asked: float | None) -> Plan:
         with search.factorising():
             search.most = _CROWDED * count_below(search.matrices, end**2) + _FEW
     for _ in range(ATTEMPTS):
-        yield centre, _radius(end, centre, -search.decay)
+        yield from _first(search, centre, _radius(end, centre, -search.decay))
         if not search.crowded:
             search.most = sys.maxsize
             return

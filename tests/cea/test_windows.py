@@ -282,3 +282,20 @@ def test_failed_convergence_carries_the_best_answer():
     with pytest.raises(ConvergenceError) as caught:
         solve_modes(sliding_pencil(stiffness, np.eye(500), friction), 0.5, options=options)
     assert isinstance(caught.value.best, Modes)
+
+
+@pytest.mark.parametrize("options", [KrylovOptions(), KRYLOV], ids=["LAPACK", "Krylov"])
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+@pytest.mark.parametrize("end", [1e3, 1e8, 1e12])
+def test_a_window_far_wider_than_the_spectrum_changes_no_eigenvalue(options, damping, end):
+    """A shift as far away as the end of the window would leave rounding alone."""
+    kappa = np.array([*np.linspace(0.5, 400.0, 60), 2.0 + 1.0j, 2.0 - 1.0j])
+    K = scipy.linalg.block_diag(np.diag(kappa[:-2].real), pair(2.0, 1.0))
+    modes = solve_modes(
+        pencil_of(np.eye(62), damping * np.eye(62), K), end * HERTZ, options=options
+    )
+    root = np.sqrt(damping**2 / 4 - kappa)
+    exact = np.where(root.imag < 0, -root, root) - damping / 2
+    assert modes.verdict() == "unstable"
+    assert len(modes) == len(exact)
+    assert np.abs(modes.eigenvalues[:, None] - exact).min(axis=0) == pytest.approx(0, abs=1e-7)
