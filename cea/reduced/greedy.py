@@ -63,22 +63,24 @@ class Enrichment:
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> None:
         """Solve where bounds are largest until all are small or ``most`` solves are made.
 
-        A point with a small bound is not checked again, since bounds hardly rise as the basis
-        grows.
+        Bounds hardly rise as the basis grows: after a solve only the largest are evaluated again,
+        and a point with a small bound is not checked again.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
         if points and not self.solves:
             self.solve(points[len(points) // 2])
         done = [each["point"] for each in (*self.solves, *self.failed)]
         left = [dict(each) for each in points if dict(each) not in done]
+        bounds, known = [np.inf] * len(left), [-1] * len(left)
         while left and len(self.solves) < self.most:
-            bounds = [self.worst(point) for point in left]
-            worst = int(np.argmax(bounds))
+            worst, tried = int(np.argmax(bounds)), len(self.solves) + len(self.failed)
             if bounds[worst] <= tolerance:
                 return
-            self.solve(left[worst])
-            both = enumerate(zip(left, bounds, strict=True))
-            left = [point for i, (point, bound) in both if bound > tolerance and i != worst]
+            if known[worst] < tried:
+                bounds[worst], known[worst] = self.worst(left[worst]), tried
+            else:
+                self.solve(left[worst])
+                del left[worst], bounds[worst], known[worst]
 
     def solve(self, point: Point) -> float | None:
         """Solve the full pencil at a point, test the model and extend it; return the test."""
