@@ -35,16 +35,19 @@ _LONGEST = 100
 
 
 def in_metres(values: Floats, unit: Unit | None) -> Floats:
-    """Lengths of a file in metres; its unit has been checked (:func:`check_unit`)."""
-    assert unit is not None
+    """Lengths of a file in metres; as they are without a unit."""
+    if unit is None:
+        return values
     above, below = METRES[unit]
     return values * above / below
 
 
-def check_unit(unit: str | None) -> None:
-    """Refuse a file whose unit of length is not given."""
+def check_unit(unit: str | None, place: str, *, si: bool) -> None:
+    """Refuse a file without a unit of length in a scene in SI units, and with one in others."""
     allowed = f"the unit of length of the file, one of {', '.join(get_args(Unit))}"
-    require(unit is not None, "unit", None, allowed)
+    if not si:
+        allowed = "left out where units = 'other': lengths of the file are taken as they are"
+    require((unit is not None) == si, f"{place}.unit", unit, allowed)
 
 
 def is_fit(name: str) -> bool:
@@ -78,7 +81,8 @@ class MeshFile:
     file
         The file; in a scene file, relative to it.
     unit
-        Unit of length of the file: m, cm, mm, um, in or ft. There is no default.
+        Unit of length of the file: m, cm, mm, um, in or ft, needed in a scene in SI units. Left out
+        in a scene with ``units = "other"``: lengths of the file are then taken as they are.
     part
         Set of the elements of the body: a physical group, an element set, a component, the instance
         of a part, or ``PSOLID 3``, ``material 1`` and the like; all solid elements by default.
@@ -104,7 +108,6 @@ class MeshFile:
     shape: Literal["mesh_file"] = "mesh_file"
 
     def __post_init__(self) -> None:
-        check_unit(self.unit)
         fits = self.merge_nodes is None or 0 < self.merge_nodes < np.inf
         allowed = "a positive distance in the unit of the file"
         require(fits, "merge_nodes", self.merge_nodes, allowed)

@@ -19,7 +19,7 @@ import numpy as np
 from cea.arrays import Floats, finite_numbers
 from cea.errors import require
 from meshes.files.content import first_of_near
-from meshes.mesh_file import Unit, check_unit, in_metres, is_fit
+from meshes.mesh_file import Unit, in_metres, is_fit
 
 Face = tuple[int, int, int]
 Faces = Mapping[str, tuple[Face, ...]]
@@ -206,7 +206,8 @@ class NurbsFile(_OfPatches):
     file
         The file; in a scene file, relative to it.
     unit
-        Unit of length of the file: m, cm, mm, um, in or ft. There is no default.
+        Unit of length of the file: m, cm, mm, um, in or ft, needed in a scene in SI units. Left out
+        in a scene with ``units = "other"``: lengths of the file are then taken as they are.
     faces
         Faces [patch, axis, side] of each named surface; side 0 is where the parameter is least.
         Boundaries that a file of G+Smo names need not be listed here.
@@ -227,7 +228,6 @@ class NurbsFile(_OfPatches):
     shape: Literal["nurbs_file"] = "nurbs_file"
 
     def __post_init__(self) -> None:
-        check_unit(self.unit)
         require(bool(self.given.patches), "file", self.file, "patches")
 
     @cached_property

@@ -42,8 +42,18 @@ _OTHER_SOLIDS = ("C3D15V", "C3D27")
 """Wedges and hexahedra that may have nodes in the middles of some faces, not of others."""
 _NAMES = {(kind.reference.shape[1], len(kind.groups)): name for name, kind in KINDS.items()}
 """Names in the table of kinds by dimension and number of nodes."""
-_NOT_READ = re.compile("NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM|PARAMETER|IMPORT|IMPERFECTION")
+_NOT_READ = re.compile(
+    "NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM|PARAMETER|IMPORT|IMPERFECTION|ADJUST|"
+    "SYMMETRIC MODEL GENERATION"
+)
 """Keywords that generate, move or import nodes and elements: they are refused."""
+_CHANGES_BODY = re.compile(
+    "(KINEMATIC |DISTRIBUTING |SHELL TO SOLID )?COUPLING|EQUATION|MPC|RIGID BODY|TIE|"
+    "CYCLIC SYMMETRY MODEL|EMBEDDED ELEMENT|(ASSEMBLED )?FASTENER|FOUNDATION|MATRIX ASSEMBLE|"
+    "NONSTRUCTURAL MASS|REBAR"
+)
+"""Keywords that add mass, stiffness or constraints. Each is an element that forms no body, also in
+the set of elements that it names: a part without it may be chosen."""
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
 
 
@@ -92,6 +102,12 @@ class Scope:
             case name if _NOT_READ.fullmatch(name):
                 allowed = "a deck that lists nodes and elements: write it out without this keyword"
                 raise InputError("file", f"*{name}", allowed)
+            case name if _CHANGES_BODY.fullmatch(name):
+                number = np.array([-1 - len(self.elements)])  # of no other element
+                self.elements.append(without_nodes(f"*{name}", number, "keyword"))
+                elements = keyword.parameters.get("ELSET", "")
+                if self.of("element", elements):
+                    self.sets.append(("element", elements, number))
 
     def _elements(self, keyword: Keyword) -> ElementBlock:
         kind = keyword.needed("TYPE").upper()

@@ -14,7 +14,7 @@ from cea.errors import InputError, require
 from cea.mesh import Cell, Mesh, facet_nodes
 from meshes.files.elements import CORNERS, FACES, KINDS, full_kind
 
-Role = Literal["solid", "mark", "structural"]
+Role = Literal["solid", "mark", "structural", "keyword"]
 _FARTHEST = 1e50
 """Bound of coordinates, so that their squares and cubes do not overflow."""
 
@@ -28,7 +28,8 @@ class ElementBlock:
     ``numbers`` those in the file, (n,); ``nodes`` rows of the points, (n, n_nodes), corners first,
     up to order 2 as in :data:`KINDS`; ``reference`` nodes of the reference cell, (n_nodes, dim).
     By ``role``, ``solid`` elements form bodies or mark faces of elements of higher dimension,
-    ``mark`` ones only mark faces, ``structural`` ones are shells, beams, springs and the like.
+    ``mark`` ones only mark faces, ``structural`` ones are shells, beams, springs and the like, a
+    ``keyword`` one stands for a keyword that changes the body but is not read.
     """
 
     kind: str

@@ -110,7 +110,8 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
     solid, elements, others = list[ElementBlock](), list[Ints](), set[str]()
     for block, start, end in zip(content.blocks, starts, starts[1:], strict=False):
         own = start + np.flatnonzero(chosen[start:end])
-        if block.role == "structural" and not taken[own].all():
+        is_keyword = block.role == "keyword" and len(own) > 0
+        if is_keyword or (block.role == "structural" and not taken[own].all()):
             others.add(block.kind)
         if block.role == "solid" and len(own) and block.dim in (0, dim):
             solid.append(block.only(own - start))

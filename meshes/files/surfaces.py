@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,7 +105,10 @@ faces_of = lru_cache(4)(Faces)
 def surface_faces(
     content: FileContent, part: Part, sets_of: Mapping[str, Sequence[str]]
 ) -> dict[str, tuple[Bools, int]]:
-    """Faces of elements on each surface, and the number of nodes of its sets on none."""
+    """Faces of elements on each surface, and the number of nodes of its sets on none.
+
+    Surfaces with common faces are refused.
+    """
     found = {}
     for surface, sets in sets_of.items():
         faces = faces_of(content, part)
@@ -112,6 +116,13 @@ def surface_faces(
         every = np.logical_or.reduce(on)
         wanted = np.intersect1d(np.concatenate(nodes), part.used)
         found[surface] = every, len(np.setdiff1d(wanted, faces.nodes_on(every)))
+    for one, other in combinations(found, 2):
+        common = found[one][0] & found[other][0]
+        if common.any():
+            both = {name: list(sets_of[name]) for name in (one, other)}
+            first = int(part.numbers[np.argmax(common.any(axis=1))])
+            told = f"{common.sum()} faces are on both, the first of element {first}"
+            raise InputError("file", both, f"sets of surfaces without common faces: {told}")
     return found
 
 

@@ -136,6 +136,19 @@ def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
     )
 
 
+def check_free(scene: Scene, bodies: Mapping[str, Body]) -> None:
+    """Refuse modes of a scene, or modal damping of a body, without a free dof; collective."""
+    if scene.analysis.kind == "static":
+        return
+    free = {name: int(body.expansion.getSize()[1]) for name, body in bodies.items()}
+    allowed = "supports that leave a degree of freedom of the mesh free: they hold all of them"
+    for name, spec in scene.bodies.items():
+        modal = spec.damping is not None and spec.damping.modal is not None
+        moves = free[name] > 0 or (any(free.values()) and not modal)
+        held = [support.surface for support in spec.supports]
+        require(moves, f"bodies.{name}.supports", held, allowed)
+
+
 def build_contacts(scene: Scene, bodies: Mapping[str, Body], timer: StageTimer) -> list[Contact]:
     """Return the half passes of a scene, with points located on the opposite sides."""
     with timer("search"):
@@ -232,6 +245,7 @@ def build_system(
             rayleigh, modal = (damping.rayleigh(), damping.modal) if damping else (None, None)
             motions[name] = Motion(rayleigh, body.rotation, modal)
     with timer("assembly"):
+        check_free(scene, bodies)
         return couple(
             bodies,
             contacts,

@@ -9,7 +9,7 @@ from cea.body import Body
 from cea.contact.contact import Contact
 from cea.errors import InputError, ResultWarning
 from cea.timing import StageTimer
-from scenes.building.build import below, build_bodies, half_passes
+from scenes.building.build import below, build_bodies, check_free, half_passes
 from scenes.checking.memory import check_memory, dofs_of
 from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import doubtful_numbers, warnings_of
@@ -67,6 +67,7 @@ def inspect_scene(scene: Scene) -> Inspection:
     try:
         check_memory(scene)
         bodies = build_bodies(scene, StageTimer())
+        check_free(scene, bodies)
     except InputError as error:
         faults.append(error)
     for name, contact in scene.contacts.items() if bodies else ():

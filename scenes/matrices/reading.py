@@ -96,6 +96,8 @@ def _of_half(scene: MatrixScene, name: str, matrix: csr_array, half: str) -> csr
             f"both triangles; --symmetric (in a scene symmetric = {{ {name} = true }}) mirrors "
             f"the {half}, --no-symmetric ({name} = false) takes the matrix as it is"
         )
+        if not matrix.diagonal().any():
+            allowed += "; a skew matrix has both triangles in the file"
         raise InputError(f"files.{name}", value, allowed)
     return mirrored(matrix) if symmetric else matrix
 
@@ -179,7 +181,9 @@ def read_matrix(
         raise InputError(field, shown, "a matrix that fits into memory") from None
     except OSError as error:
         raise InputError(field, shown, f"a file that can be read ({error.strerror})") from error
-    return (mirrored(matrix) if labels is not None and half_of(matrix) else matrix), labels
+    if labels is not None and matrix.diagonal().any() and half_of(matrix):
+        matrix = mirrored(matrix)
+    return matrix, labels
 
 
 def _checked(arrays: dict[str, Any], name: str) -> csr_array:
@@ -202,17 +206,18 @@ def _checked(arrays: dict[str, Any], name: str) -> csr_array:
 def half_of(matrix: csr_array) -> str | None:
     """Return which half of a symmetric matrix this may be: no off-diagonal entry is mirrored.
 
-    Return None if one has, for a diagonal matrix, and for an empty diagonal, e.g. that of friction
-    forces along one direction due to pressures along another.
+    Return None if one has, for a diagonal matrix, and for one with entries in both triangles and
+    an empty diagonal, e.g. that of friction forces along one direction due to pressures along
+    another.
     """
-    if not matrix.diagonal().any():
-        return None
     rows, columns = matrix.tocoo().coords
     below, above = bool((rows > columns).any()), bool((rows < columns).any())
     if not (below or above):
         return None
     if below != above:
         return "lower triangle" if below else "upper triangle"
+    if not matrix.diagonal().any():
+        return None
     pattern = csr_array((matrix - diags_array(matrix.diagonal())) != 0)
     return None if pattern.multiply(pattern.T).count_nonzero() else "half of mirrored entries"
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from math import inf
 from typing import Any
 
@@ -14,7 +15,8 @@ from cea.expressions import Expression
 from cea.motion import Rotation
 from cea.supports.boundary import Support, check_surface
 from meshes.breaks import TOO_FEW, breaks_of, fit, run_along
-from meshes.mesh_file import MeshFile
+from meshes.mesh_file import MeshFile, check_unit
+from meshes.patches import NurbsFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
 from scenes.spec.contact import ContactSpec, suits
@@ -64,6 +66,9 @@ def consistent[S: Any](scene: S) -> S:
     need(bool(scene.bodies), "bodies", {}, "at least one body")
     for name, body in scene.bodies.items():
         _body_checks(faults, f"bodies.{name}", body)
+        if isinstance(body.geometry, MeshFile | NurbsFile):
+            place, si = f"bodies.{name}.geometry", scene.units == "SI"
+            faults.of(partial(check_unit, body.geometry.unit, place, si=si))
         if scene.analysis.kind == "cea" or body.rotates_in_equilibrium:
             faults.of(body.material.density, f"bodies.{name}.material")
     known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)

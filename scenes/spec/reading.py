@@ -130,7 +130,7 @@ class Scene:
         Free text.
     units
         "other" for consistent units other than SI, or dimensionless numbers; warnings about values
-        that are implausible in SI units are then omitted.
+        that are implausible in SI units are then omitted, and lengths of files taken as they are.
     """
 
     name: str

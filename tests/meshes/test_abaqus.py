@@ -99,6 +99,9 @@ def test_faces_of_a_deck(read, sets, middles):
         (CUBE + "*NSET, NSET=A, GENERATE\n1, 999999999999999\n", {"faces": {"wanted": "A"}}, "file",
          "first, last"),
         (CUBE + "*SURFACE, NAME=A\n1, S7\n", {"faces": {"wanted": "A"}}, "file", "faces S1 to S6"),
+        (CUBE + "*SYMMETRIC MODEL GENERATION, REFLECT=LINE\n", {}, "file", "without this keyword"),
+        (CUBE + "*SURFACE, NAME=ALL\nCUBE\n", {"faces": {"up": "TOP", "on": "ALL"}}, "file",
+         "'up': .'TOP'., 'on': .'ALL'..: sets of .* 1 faces are on both, the first of element 1"),
         ("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 0, 1\n*ELEMENT, TYPE=CPE3\n1, 1, 2, 3\n", {}, "file",
          "plane z = 0"),
     ],
@@ -113,6 +116,32 @@ def test_shells_may_be_named_as_marks_or_left_out_by_the_choice_of_a_part(read):
     named = read(CUBE + SHELL, faces={"skin": "SKIN"}).mesh(["skin"])
     assert set(named.points[named.surfaces["skin"]][..., 2].ravel()) == {1.0}
     assert len(read(CUBE + SHELL, part="CUBE").mesh(["TOP"]).surfaces["TOP"]) == 1
+
+
+@pytest.mark.parametrize(
+    "keyword",
+    ["COUPLING, CONSTRAINT NAME=C, REF NODE=1, SURFACE=TOP\n*KINEMATIC", "Equation\n2\n1,1,1,2,1,1",
+     "MPC\nBEAM, 1, 2", "RIGID BODY, ELSET=CUBE, REF NODE=1", "TIE, NAME=T\nTOP, TOP",
+     "NONSTRUCTURAL MASS, UNITS=TOTAL MASS, ELSET=Cube\n0.5"],
+)  # fmt: skip
+def test_keywords_that_change_the_body_are_refused_unless_a_part_leaves_them_out(read, keyword):
+    """A keyword that names a set of elements belongs to that set."""
+    text, name = f"{CUBE}*ELSET, ELSET=ONE\n1\n*{keyword}\n", keyword.upper().splitlines()[0]
+    refused = [None, "CUBE"] if "ELSET=CUBE" in name else [None]
+    for part in refused:
+        with pytest.raises(InputError, match=rf"\*{name.partition(',')[0]} too") as no:
+            read(text, part=part)
+        assert no.value.field == "part"
+    assert len(read(text, part="ONE").mesh(["TOP"]).cells) == 1
+
+
+def test_keywords_of_the_scene_are_ignored(read):
+    """Sections, materials, supports, contacts, loads, output; none of them changes the mesh."""
+    lines = ["*SOLID SECTION, ELSET=CUBE, MATERIAL=M", "*MATERIAL, NAME=M", "*ELASTIC", "1, 0.3"]
+    lines += ["*TRANSFORM, NSET=TOP, TYPE=C", "0,0,0,0,0,1", "*BOUNDARY", "TOP, 1, 3"]
+    lines += ["*CONTACT PAIR, INTERACTION=I", "A, B", "*AMPLITUDE, NAME=A", "0, 0, 1, 1"]
+    lines += ["*STEP", "*STATIC", "*MODEL CHANGE, REMOVE", "CUBE", "*NODE FILE", "U", "*END STEP"]
+    assert len(read(CUBE + "\n".join(lines)).mesh(["TOP"]).cells) == 1
 
 
 @pytest.mark.parametrize(

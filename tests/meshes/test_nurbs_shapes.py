@@ -15,6 +15,7 @@ from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.patches import GivenPatch, NurbsFile, Patches
 from meshes.shapes import Annulus, Ring, RingSector, Sector
 from scenes import run_modes
+from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 
 
@@ -163,11 +164,18 @@ def test_a_ring_of_a_file_has_the_modes_of_the_shape(tmp_path, ending, dim):
 
 
 def test_named_boundaries_are_surfaces_and_units_are_told(tmp_path):
-    read = NurbsFile(written(tmp_path, ".xml", 3), "mm")
+    file = written(tmp_path, ".xml", 3)
+    read = NurbsFile(file, "mm")
     assert read.given.faces["rim"] == tuple((patch, 0, 1) for patch in range(4))
     assert "rim" in read.surfaces
     points = np.concatenate([patch.points.reshape(-1, 3) for patch in read.given.patches])
     assert np.abs(points).max() == pytest.approx(1e-3, rel=1e-12)
+    for unit, units in ((None, "SI"), ("mm", "other")):
+        body = scene_body("iga", {"shape": "nurbs_file", "file": file, "unit": unit}, [2, 2, 1])
+        with pytest.raises(SceneError, match=f"bodies.part.geometry.unit = {unit!r}: "):
+            read_scene(alone(body) | {"units": units})
+    body["geometry"].pop("unit")
+    assert read_scene(alone(body) | {"units": "other"}).bodies["part"].geometry.extent[0][1] == 1.0
 
 
 @pytest.mark.parametrize(
@@ -176,7 +184,6 @@ def test_named_boundaries_are_surfaces_and_units_are_told(tmp_path):
         ("a.json", "{}", {}, "not follow its format"),
         ("a.xml", "<xml>", {}, "not follow its format"),
         ("a.xml", "<xml></xml>", {}, "at least one patch|patches"),
-        ("a.json", "{}", {"unit": None}, "the unit of length"),
     ],
 )
 def test_files_that_are_refused(tmp_path, name, content, changes, words):

@@ -48,6 +48,29 @@ def test_every_contact_with_a_fault_is_told(backend):
     assert list(looked.halves) == ["pad_disc"]
 
 
+def test_modes_and_modal_damping_need_a_free_degree_of_freedom():
+    """A body without one is an obstacle for others; forces at its supports need none either."""
+    held = {
+        "mesh": {"fe": {"cell": "quadrilateral", "degree": 1, "elements": [1, 1]}},
+        "supports": [{"surface": "x_min"}, {"surface": "x_max"}],
+    }
+    obstacle = load_scene("blocks", backend="fe").change(
+        {f"bodies.upper.{field}": value for field, value in held.items()}
+    )
+    assert len(run_modes(obstacle).modes) > 0
+    modal = {"modal": {"ratio": 0.01, "max_frequency": 1.0}}
+    for scene in (
+        obstacle.change("bodies.upper.damping", modal),
+        obstacle.change({f"bodies.lower.{field}": value for field, value in held.items()}),
+    ):
+        with pytest.raises(InputError, match="they hold all of them") as refused:
+            run_modes(scene)
+        assert refused.value.field == "bodies.upper.supports"
+        assert [str(fault) for fault in inspect_scene(scene).faults] == [str(refused.value)]
+    static = scene.change("analysis", {"kind": "static"})
+    assert run_static(static).system.size == 0
+
+
 @pytest.mark.parametrize(
     ("backend", "base"),
     [("fe", "disc_pad"), pytest.param("iga", "blocks", marks=pytest.mark.slow)],

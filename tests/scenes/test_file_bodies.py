@@ -73,6 +73,19 @@ def test_files_lie_beside_the_scene_and_sets_are_surfaces(scene_file, monkeypatc
     assert len(run_modes(found).modes) > 2
 
 
+def test_lengths_of_a_file_are_taken_as_they_are_in_other_units(scene_file):
+    """A body in mm, t, s has the frequencies (Hz) of the same body in SI units."""
+    expected = run_modes(load_scene(scene_file)).frequencies
+    other = ["units='other'", "bodies.cube.material={E=1e-6, nu=0.3, rho=1e-12}"]
+    with pytest.raises(SceneError, match=r"geometry.unit = 'mm': left out where units = 'other'"):
+        load_scene(scene_file, other)
+    scene_file.write_text(SCENE.replace('unit = "mm", ', ""))
+    found = run_modes(load_scene(scene_file, other)).frequencies
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    with pytest.raises(SceneError, match=r"geometry.unit = None: the unit of length"):
+        load_scene(scene_file)
+
+
 @pytest.mark.parametrize(
     ("setting", "field", "words"),
     [

@@ -264,6 +264,26 @@ def test_matrices_that_make_no_problem_are_refused(mass, field, told, tmp_path):
     assert told in str(refused.value)
 
 
+@pytest.mark.parametrize("role", ["damping", "stiffness"])
+def test_a_triangle_without_a_diagonal_may_be_half_of_a_matrix(role, tmp_path):
+    """Two oscillators of stiffness 4 and G = g [0 1; -1 0]: omega^2 +- g omega - 4 = 0."""
+    for name, matrix in {"M": np.eye(2), "K": 4 * np.eye(2), "G": [[0, 0.6], [0, 0]]}.items():
+        mmwrite(tmp_path / f"{name}.mtx", csr_array(np.array(matrix)), precision=17)
+    data = undamped("M.mtx", "K.mtx", 1.0, data=str(tmp_path))
+    data["files"]["G"] = "G.mtx"
+    data[role] = data.get(role, {}) | {"G": 1.0}
+    with pytest.raises(InputError, match=r"upper triangle alone': both triangles; .* skew") as no:
+        run_matrices(read_matrix_scene(data))
+    assert no.value.field == "files.G"
+    found = run_matrices(read_matrix_scene(data | {"symmetric": {"G": True}})).eigenvalues
+    if role == "stiffness":
+        np.testing.assert_allclose(found, 1j * np.sqrt([3.4, 4.6]), rtol=1e-9)
+    mmwrite(tmp_path / "G.mtx", csr_array([[0, 0.6], [-0.6, 0]]), precision=17)
+    if role == "damping":
+        found = run_matrices(read_matrix_scene(data)).eigenvalues
+        np.testing.assert_allclose(found, 1j * (np.sqrt(4.09) + np.array([-0.3, 0.3])), rtol=1e-9)
+
+
 def test_thresholds_of_matrices_are_the_closed_ones(tmp_path):
     """Kappa = 4.5 +- sqrt(0.25 - v^2/100): modes of two oscillators coalesce at v = 5.
 

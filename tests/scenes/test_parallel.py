@@ -242,11 +242,24 @@ def test_command_line_prints_and_writes_once(tmp_path):
         assert_same(found[0][part], found[1][part])
 
 
+HELD = [
+    word
+    for body in ("upper", "lower")
+    for field in (
+        "mesh.fe={cell='quadrilateral', degree=1, elements=[1, 1]}",
+        "supports=[{surface='x_min'}, {surface='x_max'}]",
+    )
+    for word in ("--set", f"bodies.{body}.{field}")
+]
+"""Settings that leave no degree of freedom."""
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
         (["patch_test", "--set", "analysis.foo=3"], "error: analysis.foo = "),
         (["patch_test", "--set", "contacts.interface.a=upper.x_min"], "error: contacts.interface"),
+        (["blocks", "--backend", "fe", *HELD], "error: bodies.upper.supports = "),
     ],
 )
 def test_faults_of_all_ranks_are_told_once(arguments, told, tmp_path):
