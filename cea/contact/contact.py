@@ -132,8 +132,12 @@ class Contact:
         """Return direction k at the points of this rank, shape (n_local, dim); collective."""
         assert self.friction is not None
         points = self.interface.local_points
-        with agreed(self.interface.comm):
-            return self.friction.along(points.x, points.normal)
+        try:
+            with agreed(self.interface.comm):
+                return self.friction.along(points.x, points.normal)
+        except InputError as error:
+            field = f"contacts.{self.pair}.{error.field}"
+            raise InputError(field, error.value, error.allowed) from None
 
     @property
     def initial_gap(self) -> Floats:

@@ -191,7 +191,8 @@ class Friction:
         length = np.linalg.norm(tangent, axis=1)
         if (length <= _GRAZING * np.linalg.norm(direction, axis=1)).any():
             worst = int(np.argmin(length))
-            value, at = direction[worst].tolist(), normal[worst]
+            given = getattr(self.direction, "vector", direction[worst])
+            value, at = np.asarray(given).tolist(), normal[worst]
             allowed = f"a direction that is not normal to side a, whose normal here is {at}"
             raise InputError("friction_direction_on_a", value, allowed)
         return (-tangent if self.reverse else tangent) / length[:, None]

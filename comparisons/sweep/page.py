@@ -77,7 +77,19 @@ def headline(data: Data) -> str:
 
 def first_lines(made: Swept) -> list[str]:
     """Return the main result, the modes where growth is fastest, and how certain all this is."""
-    return [headline(made.record), _fastest(made), _quality(made.record)]
+    data = made.record
+    return [headline(data), *_factors(data), _fastest(made), _quality(data)]
+
+
+def _factors(data: Data) -> list[str]:
+    """Return a sentence for each field that is a factor on expressions of the scene."""
+    fields = data["axes"] if "axes" in data else data["fields"]
+    factors = {each["name"]: each.get("factor_on", ()) for each in fields}
+    return [
+        f"{name} is a factor on the scene's expression {' and '.join(paths)}, not its value."
+        for name, paths in factors.items()
+        if paths
+    ]
 
 
 def _fastest(made: Swept) -> str:

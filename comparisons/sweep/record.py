@@ -32,7 +32,7 @@ def common_record(
     """
     points = scene.points
     fields = [
-        {"name": name, "ends": list(ends)}
+        {"name": name, "ends": list(ends), "factor_on": scene.factors_on(scene.names[i])}
         | ({"values": points.axes[i].tolist()} if points.axes else {"cut": points.cut[i]})
         for i, (name, ends) in enumerate(zip(points.names, points.ends, strict=True))
     ]

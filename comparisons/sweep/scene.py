@@ -1,6 +1,6 @@
 """Scene of a sweep, whose pencil is solved at points, or which is run in full at each point."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from comparisons.sweep.points import Field, Points, table_of
 from scenes import Result
 from scenes.running.assembled import (
     AssembledScene,
+    factors_among,
     in_saddle_form,
     means_several,
     no_two_alike,
@@ -69,6 +70,17 @@ class SweptScene:
             name: factor * float(value) for value, names in pairs for name, factor in names.items()
         }
 
+    @property
+    def _of_pencil(self) -> bool:
+        """Whether all fields are parameters of the pencil."""
+        return all(set(names) <= set(self.pencil.parameters) for names in self.names)
+
+    def factors_on(self, names: Iterable[str]) -> list[str]:
+        """Return those of the names whose expressions in the scene a field multiplies."""
+        if isinstance(self.assembled, AssembledMatrices) or not self._of_pencil:
+            return []
+        return factors_among(self.assembled.scene, self.pencil, names)
+
     def warnings(self, modes: Modes, at: Mapping[str, float]) -> tuple[ResultWarning, ...]:
         """Return the warnings about modes at given parameters."""
         if isinstance(self.assembled, AssembledMatrices):
@@ -78,8 +90,7 @@ class SweptScene:
     def run(self, values: Sequence[float]) -> Result:
         """Return the modes at given values of the fields, with a new state of steady sliding."""
         changed = self.point(values)
-        known = set(changed) <= set(self.pencil.parameters)
-        if isinstance(self.assembled, AssembledScene) and known:
+        if isinstance(self.assembled, AssembledScene) and self._of_pencil:
             return self.assembled.modes_at(changed)
         return self.assembled.modes(changed)
 

@@ -25,11 +25,12 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import VolumeCells
-from cea.contact.contact import Contact, approach_along
+from cea.contact.contact import Contact, approach_along, by_pair
 from cea.contact.laws import NormalCompliance
 from cea.ranks import agreed, made_on_first
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
+from cea.system.contact_stresses import normal_stress
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
@@ -40,6 +41,9 @@ from scenes.spec.reading import Scene
 _STRAIN = 0.1
 """Principal strain above which a warning is given: the quadratic term e^2 / 2 of the Green-Lagrange
 strain e + e^2 / 2 (Wriggers, Nonlinear Finite Element Methods, 2008) is then 5 % of e."""
+_TENSILE = 0.01
+"""Tension relative to the largest normal stress of a contact, and fraction of its area, above which
+a warning is given."""
 _NOISE = 4.0
 """Closure, relative to rounding errors of displacements, below which the status is undecided."""
 _ALLOWED = 0.01
@@ -52,6 +56,32 @@ _FEWEST = {2: 0.6, 3: 1.0}
 """Least number of trace functions across a closed zone over (p W / E)^(1/3), by dimension."""
 _ENOUGH = 20.0
 """Number of trace functions across a closed zone that suffices for any stiffness of the law."""
+
+
+def tension_warnings(system: CoupledSystem, x: Any) -> Warnings:
+    """Warn of linear contacts that carry tension because they cannot open; collective.
+
+    Tension is the smaller of the normal stresses of both sides, since bending of a thin body on a
+    coarse mesh disturbs that of its side.
+    """
+    told = "contacts.{contact} carries tension up to {tension:.3g} N/m^2 on {fraction:.2%} of its "
+    told += "area: P and p hold the sides together, c_n lets them open"
+    for name, (half, *_) in by_pair(system.contacts).items():
+        if half.coupling == "bonded" or not half.law.linear:
+            continue
+        interface, bodies = half.interface, system.bodies
+        u, v = system.displacement(x, half.a), system.displacement(x, half.b)
+        with agreed(interface.comm):
+            at_a, at_b = interface.local_points.at, interface.opposite.at
+            of_a = normal_stress(interface.a, at_a, u, bodies[half.a].material)
+            of_b = normal_stress(interface.b, at_b, v, bodies[half.b].material)
+        stress = np.concatenate(interface.comm.allgather(np.minimum(of_a, of_b)))
+        tensile = (stress > _TENSILE * np.abs(stress).max()) & (half.slope > 0)
+        weight = interface.points.weight
+        fraction = float(weight[tensile].sum() / weight.sum())
+        if fraction > _TENSILE:
+            tension = float(stress[tensile].max())
+            yield warning("tension", told, contact=name, tension=tension, fraction=fraction)
 
 
 def motion_warnings(scene: Scene, system: CoupledSystem, x: Any) -> Warnings:
@@ -97,6 +127,7 @@ def steady_warnings(scene: Scene, system: CoupledSystem, steady: SteadySliding) 
             yield from _geometry_error(system, steady, contact, state)
             halves = sum(each.pair == contact.pair for each in system.contacts)
             yield from _coarse_closed_zone(scene, contact, state, halves)
+    yield from tension_warnings(system, steady.displacement)
     yield from motion_warnings(scene, system, steady.displacement)
 
 

@@ -76,6 +76,14 @@ _UNCOVERED = 1e-3
 """Fraction of the area of side a without an opposite point above which a warning is given."""
 _CLOSED = 1e-2
 """Distance of the sides, relative to the smaller mesh size, attributed to curved meshes."""
+_NO_SLIP = 1e-9
+"""Slip velocity, relative to the velocities of the sides, and cosine of a right angle, attributed
+to rounding."""
+_MISALIGNED = 20.0
+"""Mean angle (degrees) between friction and slip above which a warning is given. A pad that spans
+an angle of 80 degrees on a disc has this mean angle if its direction is uniform."""
+_OPPOSED = 1e-2
+"""Fraction of the area above which friction along the slip velocity is warned of."""
 _ROUNDED = 1e-9
 """Distance, relative to the mesh size, attributed to rounding of the numbers in a mesh file."""
 _LOCKS = 500.0
@@ -266,20 +274,30 @@ OF_BODIES: list[Callable[[Scene, Bodies], Warnings]] = [
 
 
 def _against_rotation(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
-    """Warn of friction on side a in the direction of its velocity relative to side b."""
+    """Warn of friction on side a that is not opposite to its velocity relative to side b."""
     spec, half = scene.contacts[name], halves[0]
     slides = spec.mu != 0 or spec.sliding is not None
     if half.friction is None or not slides or scene.analysis.kind != "cea":
         return
     points = half.interface.points
     on_a, on_b = (_velocity(scene.bodies[body].rotation, points.x) for body in (half.a, half.b))
-    k = half.friction.along(points.x, points.normal)
-    power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
-    if power > 0:
-        told = "friction_direction_on_a of contacts.{contact} is along the velocity of side a "
-        told += "relative to side b due to the rotations; friction acts against that velocity"
-        mean = power / float(points.weight.sum())
-        yield warning("against-rotation", told, contact=name, mean_velocity=mean)
+    slip, size = on_a - on_b, np.abs(on_a).max() + np.abs(on_b).max()
+    speed = np.linalg.norm(slip, axis=1)
+    moving = speed > _NO_SLIP * size
+    if not moving.any():
+        return
+    k, area = half.friction.along(points.x, points.normal)[moving], points.weight[moving]
+    cosine = np.clip(-(slip[moving] * k).sum(axis=1) / speed[moving], -1.0, 1.0)
+    angle = float(np.degrees(area @ np.arccos(cosine)) / area.sum())
+    fraction = float(area[cosine < -_NO_SLIP].sum() / area.sum())
+    if angle > _MISALIGNED or fraction > _OPPOSED:
+        told = "friction_direction_on_a of contacts.{contact} is {angle:.3g} degrees on average "
+        told += "off the direction that the rotations give, and along the velocity of side a "
+        told += "relative to side b on {fraction:.2%} of the area; friction acts against that "
+        told += "velocity"
+        mean = -float(area @ (cosine * speed[moving])) / float(points.weight.sum())
+        about = {"angle": angle, "fraction": fraction, "mean_velocity": mean}
+        yield warning("against-rotation", told, contact=name, **about)
 
 
 def _gap_closed(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:

@@ -341,6 +341,14 @@ def parameters_changed(
     return values
 
 
+def factors_among(scene: Scene, pencil: Pencil, names: Iterable[str]) -> list[str]:
+    """Return the parameters that are factors on expressions or tables of the scene."""
+    # The parameter of an expression that is constant is its value.
+    given = {name: _field(scene, name) for name in names}
+    varying = [name for name, field in given.items() if isinstance(field, str | tuple)]
+    return [name for name in varying if pencil.parameter(name).value == 1.0]
+
+
 def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> Scene:
     """Return the scene whose pencil equals that of ``scene`` at the given parameters."""
     bodies = dict(scene.bodies)

@@ -152,7 +152,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
     from cea.eigen.static import solve_static
     from cea.system.contact_stresses import contact_stresses
     from cea.system.support_forces import support_reactions
-    from scenes.checking.equilibrium import motion_warnings
+    from scenes.checking.equilibrium import motion_warnings, tension_warnings
 
     if not isinstance(scene.analysis, StaticAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
@@ -174,7 +174,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
         }
         warnings = system_warnings(scene, system)
         if system.steady is None:
-            warnings = (*warnings, *motion_warnings(scene, system, x))
+            warnings += (*tension_warnings(system, x), *motion_warnings(scene, system, x))
     return Result(
         scene,
         timer,

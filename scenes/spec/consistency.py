@@ -75,6 +75,7 @@ def consistent[S: Any](scene: S) -> S:
     pairs: dict[frozenset[str], str] = {}
     for name, contact in scene.contacts.items():
         _contact_checks(faults, scene, f"contacts.{name}", contact, known)
+        _slip_checks(faults, scene, f"contacts.{name}", contact)
         first = pairs.setdefault(frozenset((contact.a, contact.b)), name)
         allowed = f"sides other than those of contacts.{first}, which joins the same surfaces"
         need(first == name, f"contacts.{name}.a", f"{contact.a} on {contact.b}", allowed)
@@ -314,6 +315,41 @@ def _contact_checks(
         for name, value in fields.items():
             if isinstance(value, str):
                 faults.of(Expression(value).check, f"{place}.{name}", dim)
+
+
+def _slip_checks(faults: Faults, scene: Scene, place: str, contact: ContactSpec) -> None:
+    """Refuse bonded sides that rotate differently, and friction of sides that rotate alike."""
+    names = [name for name, _ in contact.sides if name in scene.bodies]
+    if len(names) < 2:
+        return
+    (spin, moment), (other_spin, other_moment) = (_rotation_of(scene.bodies[n]) for n in names)
+    reach = scene.bodies[names[0]].geometry.extent[0][1] if spin.any() and other_spin.any() else 0.0
+    rate, both = float(np.linalg.norm(spin)), f"bodies.{names[0]} and bodies.{names[1]}"
+    alike = bool(np.linalg.norm(spin - other_spin) <= _ASIDE * rate)
+    alike &= bool(np.linalg.norm(moment - other_moment) <= _ASIDE * rate * reach)
+    bonded = contact.formulation.coupling == "bonded"
+    allowed = f"one that is not bonded, unless {both} have the same rotation (rate, axis, origin)"
+    faults.require(alike or not bonded, f"{place}.formulation.method", "bonded", allowed)
+    direction, slides = contact.friction_direction_on_a, contact.mu != 0 or contact.sliding
+    if direction is None or not slides or not alike or not rate:
+        return
+    vector = of_size_one(getattr(direction, "vector", (1.0, 0.0)))
+    size = _ASIDE * rate * float(np.linalg.norm(vector))
+    along = len(vector) == 3 and bool(np.linalg.norm(np.cross(spin, vector)) <= size)
+    allowed = f"a vector along the axis, or mu = 0: {both} have the same rotation and do not slide"
+    faults.require(along, f"{place}.friction_direction_on_a", asdict(direction), allowed)
+
+
+def _rotation_of(body: BodySpec) -> tuple[Floats, Floats]:
+    """Return the angular velocity (rad/s) of a body and its moment about x = 0 (m/s), zero at rest.
+
+    The moment is the velocity of the rotation, continued to x = 0.
+    """
+    if body.rotation is None:
+        return np.zeros(3), np.zeros(3)
+    axis = of_size_one(body.rotation.axis)
+    spin = body.rotation.rate * axis / np.linalg.norm(axis)
+    return spin, np.cross(body.rotation.origin, spin)
 
 
 def _steady_checks(faults: Faults, scene: Scene) -> None:

@@ -13,7 +13,7 @@ from sweep_cases import MU, eigenvalues, sine_blocks, sweep_of
 
 from cea.petsc import MPI
 from comparisons.cli.sweep import IN_PART
-from comparisons.sweep.page import headline
+from comparisons.sweep.page import first_lines, headline
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import mapped
 from scenes import assemble, load_scene
@@ -71,6 +71,17 @@ def test_lightly_damped_blocks_have_both_thresholds(tmp_path):
         overrides += [f"bodies.{name}.damping={{alpha=0.001}}"]
     record = found_in("blocks", "mu=0:1:6", tmp_path, overrides=tuple(overrides))
     assert values_of(record) == pytest.approx([0.054685, 0.649061], abs=1e-6)
+
+
+@pytest.mark.parametrize("full", [False, True])
+@pytest.mark.parametrize(
+    ("mu", "told"), [("'sin(pi*x/2)'", True), ("'0.1*3'", False), ("0.3", False)]
+)
+def test_an_axis_that_is_a_factor_on_an_expression_says_so(tmp_path, mu, told, full):
+    changes = sine_blocks("iga", f"contacts.interface.mu={mu}", "analysis.max_frequency=0.2")
+    swept = sweep_of("blocks", ["mu=0:0.2:2"], tmp_path / "out", changes, full=full)
+    lines = [line for line in first_lines(swept) if "is a factor on" in line]
+    assert lines == [f"mu is a factor on the scene's expression {MU}, not its value."] * told
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import pytest
 from blocks import FORMULATIONS, coarse, rectangle, two_blocks
 from covering import covering
 
+from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes import load_scene, read_scene, run_modes, run_scene
 from scenes.building.build import build_bodies, build_contacts, build_system
@@ -53,6 +54,14 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
         both.append(system.contacts[0].friction.along(points.x, points.normal))
     assert both[1] == pytest.approx(both[0], abs=1e-14)
     assert np.ptp(both[0][:, 0]) > 0.3
+
+
+def test_a_direction_normal_to_a_side_is_refused_as_it_was_given(backend):
+    scene = load_scene("blocks", ["contacts.interface.mu=0.3"], backend)
+    with pytest.raises(InputError) as told:
+        run_modes(scene.change("contacts.interface.friction_direction_on_a", {"vector": [0, 3.0]}))
+    assert told.value.field == "contacts.interface.friction_direction_on_a"
+    assert told.value.value == [0.0, 3.0]
 
 
 def layer(backend, low, fixed):

@@ -8,7 +8,7 @@ from pressed import pressed_blocks
 from scipy.integrate import solve_bvp
 
 from comparisons.stability.dense import dense_eigenvalues
-from scenes import read_scene, run_modes, run_static
+from scenes import SceneError, read_scene, run_modes, run_static
 
 DISCS = {"Rayleigh": damped_disc, "modal": modally_damped_disc}
 
@@ -49,6 +49,72 @@ def test_the_pressure_is_that_of_steady_sliding(backend):
     expected = force * (-0.2 * np.outer(k, k) + 0.1 / 0.5 * np.outer(t, t))
     C = result.matrices()["C"].toarray()
     assert shift.T @ C @ shift == pytest.approx(expected, rel=1e-10, abs=1e-12 * force)
+
+
+def two_rings(inner, outer, translation=(0.0, 0.0, 0.0), **contact):
+    """A cylinder in another one, each with a rotation or without (None)."""
+    bodies = {}
+    for name, radii, rotation in (("inner", (0.5, 0.7), inner), ("outer", (0.7, 1.0), outer)):
+        geometry = dict(zip(("inner_radius", "outer_radius"), radii, strict=True))
+        geometry |= {"shape": "annulus", "bottom": 0.0, "top": 0.3}
+        placed = {"placement": {"translation": list(translation)}, "rotation": rotation}
+        bodies[name] = scene_body("iga", geometry, [1, 12, 1]) | placed
+    sides = {"a": "inner.outer", "b": "outer.inner", "formulation": {"method": "mortar"}}
+    contacts = {"joint": sides | {"P": np.inf} | contact}
+    analysis = {"kind": "cea", "max_frequency": 0.3}
+    return {"name": "rings", "bodies": bodies, "contacts": contacts, "analysis": analysis}
+
+
+SPINS = {"rate": 0.5}
+TURNED = {"rate": 0.5, "axis": [0.0, 0.0, -1.0]}
+SAME = {"rate": 0.5, "axis": [0.0, 0.0, 3.0], "origin": [0.0, 0.0, 2.0]}
+RESTS = {"rate": 0.0}
+BONDED = {"formulation": {"method": "bonded"}}
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "alike"),
+    [
+        (SPINS, None, False),
+        (None, SPINS, False),
+        (SPINS, {"rate": 0.4}, False),
+        (SPINS, TURNED, False),
+        (SPINS, RESTS, False),
+        (SPINS, SAME, True),
+        (RESTS, None, True),
+        (None, None, True),
+    ],
+)
+def test_bonded_sides_rotate_alike_and_sides_that_do_not_slide_have_no_friction(one, other, alike):
+    """Normal contact alone allows any rotations; friction along the axis a sliding bush."""
+    around, along = {"circumferential_about": [0.0, 0.0, 1.0]}, {"vector": [0.0, 0.0, 2.0]}
+    friction = {"mu": 0.3, "friction_direction_on_a": around}
+    read_scene(two_rings(one, other))
+    read_scene(two_rings(one, other, **friction | {"friction_direction_on_a": along}))
+    together = alike and SPINS in (one, other)
+    across = friction | {"friction_direction_on_a": {"vector": [1.0, 0.0, 0.0]}}
+    for contact, field, allowed in (
+        (BONDED, "formulation.method", alike),
+        (friction, "friction_direction_on_a", not together),
+        (across, "friction_direction_on_a", not together),
+    ):
+        data = two_rings(one, other, **contact)
+        if allowed:
+            read_scene(data)
+            continue
+        with pytest.raises(SceneError, match=f"contacts.joint.{field} = .*same rotation"):
+            read_scene(data)
+
+
+def test_axes_apart_are_different_rotations():
+    """Of the same rate: a point of either axis decides, wherever along it."""
+    there = (0.3, -0.2, 0.1)
+    spins = SPINS | {"origin": [0.3, -0.2, 5.0]}
+    read_scene(two_rings(spins, spins | {"origin": [0.3, -0.2, 0.0]}, there, **BONDED))
+    data = two_rings(spins, spins, there, **BONDED)
+    data["bodies"]["outer"] |= {"placement": {}, "rotation": SPINS}
+    with pytest.raises(SceneError, match=r"contacts.joint.formulation.method = .*same rotation"):
+        read_scene(data)
 
 
 E, NU, RHO, INNER, OUTER, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 0.9

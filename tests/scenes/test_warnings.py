@@ -139,6 +139,95 @@ def test_too_few_elements_for_a_stiff_law_are_told(backend):
     assert "coarse-closed-zone" not in kinds(run_static(scene).warnings)
 
 
+ON_DISC = "contacts.pad_disc.friction_direction_on_a"
+ALONG = {"circumferential_about": [0.0, 0.0, 1.0]}
+
+
+def off_rotation(origin, direction, **changes):
+    """The warning of a small pad on a disc that rotates about an axis through a point."""
+    few = {"pad": [2, 4, 1], "disc": [3, 24, 1]}
+    changes |= {f"bodies.{name}.mesh.iga.elements": elements for name, elements in few.items()}
+    changes |= {f"bodies.{name}.placement": {"translation": origin} for name in few}
+    changes |= {"bodies.disc.rotation.origin": origin, ON_DISC: direction}
+    changes["contacts.pad_disc.sliding.speed"] = 3.0
+    return told(load_scene("disc_pad_damped").change(changes)).get("against-rotation")
+
+
+def test_friction_off_the_direction_of_the_rotations_is_told_with_its_angle():
+    """A uniform direction in the middle of a sector of +- 20 degrees is off by 10 on average."""
+    there = [0.3, 0.0, 0.0]
+    assert off_rotation(there, ALONG | {"origin": there}) is None
+    middle = np.radians(45.0)
+    radial, along = [np.cos(middle), np.sin(middle), 0.0], [-np.sin(middle), np.cos(middle), 0.0]
+    assert off_rotation(there, {"vector": along}) is None
+    for direction, angle, fraction in (
+        (ALONG | {"origin": there, "circumferential_about": [0.0, 0.0, -1.0]}, 180.0, 1.0),
+        ({"vector": radial}, 90.0, 0.5),
+        ({"vector": [-x for x in along]}, 170.0, 1.0),
+    ):
+        found = off_rotation(there, direction)
+        assert found["angle"] == pytest.approx(angle, abs=0.1)
+        assert found["fraction"] == pytest.approx(fraction, abs=1e-6)
+    forgotten = off_rotation(there, ALONG)
+    middle_of_pad = there[0] + 0.115 * radial[0], 0.115 * radial[1]
+    expected = 45.0 - np.degrees(np.arctan2(middle_of_pad[1], middle_of_pad[0]))
+    assert forgotten["angle"] == pytest.approx(expected, abs=0.5)
+    assert forgotten["fraction"] == 0.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_uniform_direction_on_an_annulus_is_told_of_either_sign(sign):
+    """Its mean power is zero: rounding must not decide."""
+    whole = {"shape": "annulus", "inner_radius": 0.09, "outer_radius": 0.14}
+    geometry = whole | {"bottom": 0.012, "top": 0.027}
+    mesh = {"iga": {"degree": [2, 2, 2], "elements": [2, 12, 1]}}
+    changes = {"bodies.pad.geometry": geometry, "bodies.pad.mesh": mesh}
+    found = off_rotation([0.0, 0.0, 0.0], {"vector": [sign, 0.0, 0.0]}, **changes)
+    assert found["angle"] == pytest.approx(90.0, abs=1e-6)
+    assert found["fraction"] == pytest.approx(0.5, abs=1e-6)
+
+
+def three_layers(backend, contact, pressure, kind="static"):
+    """Layers with nu = 0, guided sideways; a pressure on the upper one, the weight of the middle.
+
+    The lower contact has a law, so that a state of steady sliding is found, unless it is bonded.
+    """
+    sides = [{"surface": name, "components": ["x"]} for name in ("x_min", "x_max")]
+    bodies = {}
+    for name, low in (("top", 1.0), ("middle", 0.0), ("base", -1.0)):
+        elements = {"top": [3, 2], "middle": [4, 2], "base": [5, 2]}[name]
+        material = {"E": 1.0, "nu": 0.0, "rho": 1.0}
+        layer = rectangle(backend, [2.0, 1.0], elements, origin=(0.0, low), material=material)
+        bodies[name] = layer | {"supports": sides}
+    bodies["base"]["supports"] = [*sides, {"surface": "y_min"}]
+    law = {"formulation": MORTAR} | ({"c_n": 10.0} if kind == "cea" else {"P": 10.0})
+    contacts = {
+        "upper": {"a": "top.y_min", "b": "middle.y_max"} | contact,
+        "lower": {"a": "middle.y_min", "b": "base.y_max"} | law,
+    }
+    loads = [{"surface": "top.y_max", "pressure": pressure}]
+    loads.append({"body": "middle", "body_force": [0.0, -0.01]})
+    analysis = {"kind": kind} | ({"max_frequency": 0.3} if kind == "cea" else {})
+    return read_scene(
+        {"name": "layers", "bodies": bodies, "contacts": contacts, "loads": loads}
+        | {"analysis": analysis}
+    )
+
+
+@pytest.mark.parametrize("kind", ["static", "cea"])
+def test_contacts_that_hold_the_sides_together_are_told_with_their_tension(kind, backend):
+    """The normal stress is the load: pulled contacts are told, pressed and bonded ones are not."""
+    for contact in ({"formulation": MORTAR, "P": np.inf}, {"formulation": SEGMENTS, "p": 10.0}):
+        pulled = run_scene(three_layers(backend, contact, -1e-3, kind))
+        (data,) = (w.data for w in pulled.warnings if w.kind == "tension")
+        assert data == {"contact": "upper", "tension": pytest.approx(1e-3), "fraction": 1.0}
+        assert "tension" not in kinds(
+            run_scene(three_layers(backend, contact, 1e-3, kind)).warnings
+        )
+    bonded = three_layers(backend, {"formulation": {"method": "bonded"}, "P": np.inf}, -1e-3, kind)
+    assert "tension" not in kinds(run_scene(bonded).warnings)
+
+
 # Doubts about numbers, motions or places that are unlikely to be meant come with every run.
 STEEL, TONNES = {"E": 2.1e11, "rho": 7850.0}, {"E": 2.1e5, "rho": 7.85e-9}
 
