@@ -10,6 +10,7 @@ reduces the matrices to Z^T A Z.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, wraps
+from itertools import permutations
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -34,6 +35,12 @@ from cea.petsc import PETSc
 from cea.supports.boundary import Force, Pressure, Spring, Support, check_surface
 from cea.supports.constraints import Constraints
 from cea.surface import Surface
+
+_MORE_POINTS = 4
+"""Gauss points per direction beyond those for polynomials: rational functions converge fast."""
+_ROUNDING = 1e-6
+"""Relative norm of the skew part of the stiffness of pressures below which it is attributed to
+rounding and quadrature."""
 
 
 @dataclass(frozen=True)
@@ -308,6 +315,27 @@ class Body:
         """Return the geometric stiffness of a displacement, PETSc AIJ (free x free), N/m."""
         return self.reduced(self.space.geometric_stiffness(self.material.elasticity, displacement))
 
+    def load_stiffness(self) -> list[tuple[Any, bool]]:
+        """Return the stiffness of pressures, which turn with their surfaces (N/m).
+
+        One PETSc AIJ (free x free), symmetric, and a skew one if it is not zero: pressures do work
+        on closed paths where the border of their surface moves. Each is followed by whether it is
+        symmetric.
+        """
+        if not self.pressures:
+            return []
+        own = slice(*(self.dim * number for number in self._own))
+        parts = [_stiffness_of_pressure(self.surfaces[p.surface], p)[own] for p in self.pressures]
+        rows = csr_array(sum(parts))
+        whole = distributed(rows, rows.shape, self.comm)
+        size = whole.norm()
+        skew = self.reduced(symmetrised(whole.copy(), -1.0), -1.0)
+        symmetric = self.reduced(symmetrised(whole))
+        if skew.norm() > _ROUNDING * size:
+            return [(symmetric, True), (skew, False)]
+        destroy(skew)
+        return [(symmetric, True)]
+
     @cached_property
     def prescribed(self) -> Floats | None:
         """u_D, prescribed displacement of the dofs of this rank (m); None if it is zero."""
@@ -353,6 +381,24 @@ def _foundation(surface: Surface, spring: Spring) -> csr_array:
     points = surface.gauss_points(surface.cells.degree + 1)
     scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
     return csr_array(kron(scaled.T @ scaled, diags_array(np.asarray(spring.stiffness))))
+
+
+def _stiffness_of_pressure(surface: Surface, load: Pressure) -> csr_array:
+    """Return the full matrix int p v . ((div u) n - (grad u)^T n) of a pressure.
+
+    The area vector n da of a surface that moves by u changes by the term in brackets times da, to
+    first order (Nanson's formula; Wriggers, Nonlinear Finite Element Methods, 2008). Derivatives
+    along n cancel.
+    """
+    points = surface.gauss_points(3 * surface.cells.degree // 2 + _MORE_POINTS)
+    trace, slopes = surface.trace(points.at), surface.gradient(points.at)
+    areas = [diags_array(load.value * points.weight * along) for along in points.normal.T]
+    total = csr_array((surface.dim * surface.num_scalar_dofs,) * 2)
+    for i, j in permutations(range(surface.dim), 2):
+        place = np.zeros((surface.dim, surface.dim))
+        place[i, j] = 1.0
+        total += kron(trace.T @ (areas[i] @ slopes[j] - areas[j] @ slopes[i]), place)
+    return csr_array(total)
 
 
 def free_operator(operator: csr_array, body: Body) -> Any:

@@ -25,7 +25,7 @@ With the path of the contact in a scene, ``contacts.<name>``, the parameters are
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import inf, log10
 from typing import TYPE_CHECKING, Any
 
@@ -73,9 +73,9 @@ class CoupledSystem:
     with_mass: bool  # whether the pencil has mass and damping
     # steady sliding state of the linearisation, or None
     steady: "SteadySliding | None" = None
-    # geometric stiffness of the stresses of that state by body, PETSc AIJ (N/m); empty if not
-    # requested
-    prestress: Mapping[str, Any] = field(default_factory=dict)
+    # geometric stiffness of the stresses of that state, and stiffness of pressures that turn with
+    # their surfaces; empty if not requested
+    prestress: tuple[Term, ...] = ()
 
     @property
     def size(self) -> int:
@@ -131,8 +131,7 @@ class CoupledSystem:
         """
         pieces = [piece for each in self.pieces.values() for piece in each.pieces]
         terms = [piece for piece in pieces if isinstance(piece, Term)]
-        for name, matrix in self.prestress.items():
-            terms.append(Term("stiffness", self.pieces[name].placed(matrix)))
+        terms += self.prestress
         terms += self._contact_terms(eliminate=eliminate)
         parameters = [one for each in self.pieces.values() for one in each.parameters()]
         parameters += self._contact_parameters()
@@ -199,13 +198,16 @@ class CoupledSystem:
         for contact in self.contacts:
             state = steady.contacts.get(contact.name)
             contacts.append(contact if state is None else replace(contact, closure=state.closure))
-        prestress = {
-            name: body.geometric_stiffness(self.displacement(steady.displacement, name))
-            for name, body in self.bodies.items()
-            if geometric_stiffness
-        }
+        prestress = []
+        for name, body in self.bodies.items() if geometric_stiffness else ():
+            stresses = body.geometric_stiffness(self.displacement(steady.displacement, name))
+            for matrix, symmetric in [(stresses, True), *body.load_stiffness()]:
+                placed = self.pieces[name].placed(matrix)
+                prestress.append(Term("stiffness", placed, symmetric=symmetric))
+                if placed is not matrix:
+                    destroy(matrix)
         formed = with_forms(self.bodies, contacts)
-        return replace(self, contacts=formed, steady=steady, prestress=prestress)
+        return replace(self, contacts=formed, steady=steady, prestress=tuple(prestress))
 
     def displacement(self, x: Any, body: str) -> Floats:
         """Return the full displacement (m) of a body, prescribed parts included, (dim * dofs,)."""

@@ -234,13 +234,13 @@ def _moving(scene: Scene, system: CoupledSystem) -> tuple[Floats, Floats]:
         sliding = scene.contacts[contact.pair].sliding
         if sliding is not None:
             damping += _sliding(system, contact, sliding)
+    for term in system.prestress:
+        stiffness += array(term.matrix)
     start = 0
     for name, body in system.bodies.items():
         own = slice(start, start + body.stiffness().getSize()[0])
         start = own.stop
         spec, M = scene.bodies[name], array(body.mass())
-        if name in system.prestress:
-            stiffness[own, own] += array(system.prestress[name])
         of_material = np.zeros_like(M)
         if spec.damping is not None:
             springs, rayleigh = body.spring_stiffness(), spec.damping.rayleigh()

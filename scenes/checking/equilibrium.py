@@ -124,6 +124,8 @@ def steady_warnings(scene: Scene, system: CoupledSystem, steady: SteadySliding) 
         if contact.name in steady.contacts:
             state = steady.contacts[contact.name]
             yield from _undecided(contact, state, _NOISE * steady.uncertainty * largest)
+            if scene.stiffened_by_stress:
+                yield from _fixed_direction(contact, state)
             yield from _geometry_error(system, steady, contact, state)
             halves = sum(each.pair == contact.pair for each in system.contacts)
             yield from _coarse_closed_zone(scene, contact, state, halves)
@@ -143,6 +145,16 @@ def _undecided(contact: Contact, state: ContactState, noise: float) -> Warnings:
         told = "rounding decides whether a fraction {fraction:.2g} of the area of contacts.{half} "
         told += "is open; with m_n = 1 the stiffness is discontinuous there"
         yield warning("closure-undecided", told, **about, fraction=fraction)
+
+
+def _fixed_direction(contact: Contact, state: ContactState) -> Warnings:
+    """Warn of contact pressures, which do not turn with the sides in the geometric stiffness."""
+    largest = float(state.pressure.max(initial=0.0))
+    if largest:
+        told = "the geometric stiffness leaves out that the pressure of contacts.{half}, up to "
+        told += "{pressure:.3g} N/m^2, turns with its sides"
+        about = {"contact": contact.pair, "half": contact.name, "pressure": largest}
+        yield warning("dead-contact-pressure", told, **about)
 
 
 def _geometry_error(

@@ -36,7 +36,9 @@ def _not_needed(scene: Scene) -> Iterator[_Row]:
     yield not static and not rotates, "gyroscopic", "no body rotates"
     reason = "not requested: of the order of rho Omega^2"
     yield rotates and not convective, "convective stiffness", reason
-    yield not scene.has_friction, "friction", "mu = 0: no slip operator, symmetric solver"
+    reason = "mu = 0: no slip operator"
+    reason += "" if scene.has_turning_pressure else ", symmetric solver"
+    yield not scene.has_friction, "friction", reason
     reason = "not requested: of the order of sigma / E"
     yield not static and stressed, "geometric stiffness", reason
     yield not scene.contacts, "search", "no contacts"

@@ -190,8 +190,9 @@ class Result:
         contacts. K_f is zero without friction; M is omitted in static analyses; C exists with
         damping and Y with rotation. K includes convective and geometric stiffness. With modal
         damping the damping matrix is C + W W^T, which would be dense. Damping of a rotating body
-        adds the stiffness K_c, or K_c + L N^-1 J (:mod:`cea.motion`). A scene of matrices has M, C
-        if there is damping, and K.
+        adds the stiffness K_c, or K_c + L N^-1 J (:mod:`cea.motion`); K_c also has the skew part of
+        the stiffness of pressures that turn with their surfaces. A scene of matrices has M, C if
+        there is damping, and K.
 
         The matrices are scipy's (N/m, kg, N s/m) on rank 0; other ranks get an empty dict. Raises
         an InputError for tied contacts, where K_n is infinite, and for results read back.

@@ -225,7 +225,7 @@ def estimate_errors(
     own, names = result.scene, list(scene.bodies)
     allowed = f"those of the coarse scene: {', '.join(own.bodies)}"
     require(names == list(own.bodies), "bodies", names, allowed)
-    one_sided = own.damped or own.rotates or own.has_friction
+    one_sided = own.damped or own.rotates or own.has_friction or own.has_turning_pressure
     if one_sided and result.modes.left is None and len(result.modes):
         result = run_modes(own, left=True, bodies=result.bodies, listener=listener)
     same = {n: b for n, b in result.bodies.items() if made_of(own, n) == made_of(scene, n)}

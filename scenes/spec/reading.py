@@ -71,7 +71,9 @@ class ComplexEigenvalueAnalysis:
         factors at the end of each step, increasing to 1. The result keeps the equilibrium of every
         step. By default they are applied in one step.
     geometric_stiffness
-        Whether to add the geometric stiffness of the stresses of steady sliding.
+        Whether to add the geometric stiffness of the stresses of steady sliding, and the stiffness
+        of pressures in loads, which follow their surface as it turns and stretches. Forces keep
+        their direction and size; so do contact pressures and friction, with a warning.
     """
 
     kind: Literal["cea"]
@@ -185,6 +187,11 @@ class Scene:
     def stiffened_by_stress(self) -> bool:
         """Whether the geometric stiffness of the stresses of steady sliding is added."""
         return self.analysis.kind == "cea" and self.analysis.geometric_stiffness
+
+    @property
+    def has_turning_pressure(self) -> bool:
+        """Whether stiffness of pressures is added, which may be unsymmetric without friction."""
+        return self.stiffened_by_stress and any(load.pressure is not None for load in self.loads)
 
     @property
     def prescribes(self) -> bool:
