@@ -129,14 +129,6 @@ class Search:
             return self._op
         return self.at(near[0])
 
-    @property
-    def exhausted(self) -> bool:
-        """Whether all eigenvalues of the window were found, or as many as there are."""
-        assert self.found is not None
-        finite = self.matrices.size - self.matrices.tied
-        every = 2 * finite if self.matrices.quadratic else finite
-        return self.found.whole or self.found.size >= every
-
     def odd(self, shift: float | None = None) -> bool:
         """Whether the sign of a determinant shows that a real eigenvalue beyond a shift is missing.
 

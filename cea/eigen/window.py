@@ -42,6 +42,8 @@ _DECAY = 0.1
 as far from eigenvalues of small growth rate."""
 _FAR = 1e-3
 """Size of the largest eigenvalue relative to the shift below which eigenvalues lose digits."""
+_NEARER = 2
+"""Number of nearer shifts tried then; the first result is exact to rounding about the shift."""
 _CROWDED, _FEW = 4, 100
 """Largest number of eigenvalues in a disc: a multiple of the number of undamped modes in the
 window, and a constant added to it."""
@@ -103,7 +105,7 @@ def _undamped(search: Search) -> Plan:
     while True:
         assert search.found is not None
         search.growth = float(np.sqrt(max(reached, 0.0)))
-        bounded = search.exhausted or reached >= bound
+        bounded = search.found.whole or reached >= bound
         if not bounded and search.counted is not None:
             bounded = int(np.sum(search.found.eigenvalues.real < upper)) >= search.counted
         elif not bounded and reached > 0:
@@ -119,17 +121,26 @@ def _undamped(search: Search) -> Plan:
 def _first(search: Search, centre: float, radius: float) -> Plan:
     """Yield the first disc; again about a nearer shift if all eigenvalues are far smaller."""
     yield centre, radius
-    for _ in range(ATTEMPTS):
-        if search.found is None or not search.exhausted:
-            return
-        found = search.found
-        largest = float(np.abs(found.eigenvalues).max(initial=0.0))
+    before = search.found, search.discs, search.scale
+    for _ in range(_NEARER):
+        largest = _largest(search)
         if not 0 < largest < _FAR * centre:
             return
         centre = SHIFT * largest
         search.scale = largest if search.matrices.quadratic else float(np.sqrt(largest))
         search.found, search.discs = None, []
         yield centre, radius
+    if _largest(search) < _FAR * centre:  # all are zero apart from rounding
+        search.found, search.discs, search.scale = before
+
+
+def _largest(search: Search) -> float:
+    """Return the largest modulus of all eigenvalues; infinite where some lie beyond the window."""
+    matrices, found = search.matrices, search.found
+    every = (matrices.size - matrices.tied) * (2 if matrices.quadratic else 1)
+    if found is None or found.size < every:
+        return np.inf
+    return float(np.abs(found.eigenvalues).max(initial=0.0))
 
 
 def _bounds(search: Search) -> Iterator[Matrices]:
@@ -155,7 +166,7 @@ def _damped(search: Search, asked: float | None) -> Plan:
     search.growth = 2 * centre + search.decay
     while True:
         assert search.found is not None
-        bounded = search.exhausted or search.growth >= largest
+        bounded = search.found.whole or search.growth >= largest
         if not bounded:
             with search.factorising():
                 bounded = bounded_growth(matrices, search.growth, end)
