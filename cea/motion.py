@@ -27,8 +27,9 @@ body R u is its L2 projection, R = M^-1 B with the skew B = int rho v . R u:
     Rayleigh damping alpha M + beta K      alpha Omega B + beta Omega K M^-1 B
     modal damping                          Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T
 
-M^-1 is dense: the products are never formed (:mod:`cea.eigen.unformed`). Springs and friction are
-fixed in space; rotation does not enter their damping.
+M^-1 is dense: the products are never formed (:mod:`cea.eigen.unformed`). Springs are fixed in
+space. Damping by friction acts on u_t alone too, although its slip velocity is u_t + Omega R u: a
+part of the order m Omega / |lambda| is left out.
 """
 
 from dataclasses import dataclass, replace

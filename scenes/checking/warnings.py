@@ -56,6 +56,8 @@ _SIMPLICES = {
     (3, 8): [[0, 7, i, j] for i, j in ((4, 6), (6, 2), (2, 3), (3, 1), (1, 5), (5, 4))],
 }
 """Corners of the simplices of a cell, by dimension and number of points of the cell."""
+_SLOW_ROTATION = 1e-2
+"""Rate relative to omega of the window up to which rotation hardly changes damping by friction."""
 _SURFACE_WAVES = 0.8
 """Speed, relative to shear waves, above which a rim may outrun surface waves: Rayleigh waves travel
 at 0.87 (nu = 0) to 0.96 (nu = 0.5), short waves of a mesh slightly slower."""
@@ -236,6 +238,23 @@ def _centrifugal_stresses(scene: Scene, _bodies: Bodies) -> Warnings:
             yield warning("centrifugal-stresses", told, body=name, rate=rotation.rate)
 
 
+def _friction_damping(scene: Scene, _bodies: Bodies) -> Warnings:
+    """Warn of damping by sliding on a body that rotates fast: its circulatory part is left out."""
+    told = (
+        "contacts.{contact} has damping by sliding on bodies.{body}, which rotates: its part that "
+    )
+    told += (
+        "acts on displacements, about m rate / |lambda| of it with m nodal diameters, is left out"
+    )
+    analysis = scene.analysis
+    end = 2 * np.pi * analysis.max_frequency if analysis.kind == "cea" else inf
+    for name, contact in scene.contacts.items():
+        for body, _ in contact.sides if contact.sliding is not None else ():
+            rotation = scene.bodies[body].rotation
+            if rotation is not None and rotation.rate > _SLOW_ROTATION * end:
+                yield warning("friction-damping", told, contact=name, body=body, rate=rotation.rate)
+
+
 def _faster_than_waves(scene: Scene, bodies: Bodies) -> Warnings:
     """Warn of bodies with convective stiffness that may be faster than surface waves; collective.
 
@@ -268,6 +287,7 @@ OF_BODIES: list[Callable[[Scene, Bodies], Warnings]] = [
     _volumetric_locking,
     _nodes_left_out,
     _centrifugal_stresses,
+    _friction_damping,
     _faster_than_waves,
 ]
 """Functions that yield the warnings about bodies; collective."""

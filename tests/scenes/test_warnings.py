@@ -153,6 +153,13 @@ def off_rotation(origin, direction, **changes):
     return told(load_scene("disc_pad_damped").change(changes)).get("against-rotation")
 
 
+@pytest.mark.parametrize(("rate", "is_told"), [(1.0, False), (1e4, True)])
+def test_damping_by_friction_on_a_body_that_rotates_fast_is_told(rate, is_told):
+    """Of dampers C e' fixed in space, Omega C e x a is missing: with it fast whirl grows."""
+    scene = load_scene("disc_pad_damped").change({"bodies.disc.rotation.rate": rate})
+    assert ("friction-damping" in told(scene)) == is_told
+
+
 def test_friction_off_the_direction_of_the_rotations_is_told_with_its_angle():
     """A uniform direction in the middle of a sector of +- 20 degrees is off by 10 on average."""
     there = [0.3, 0.0, 0.0]
