@@ -25,7 +25,7 @@ from meshes.breaks import breaks_of
 from meshes.mesh_file import MeshFile
 from meshes.true_surfaces import true_surfaces
 from scenes.spec.body import BodySpec, LoadSpec
-from scenes.spec.contact import ContactSpec
+from scenes.spec.contact import B_ON_A, ContactSpec
 from scenes.spec.reading import Scene
 
 _ROUNDING = 1e-14
@@ -198,7 +198,7 @@ def _half_pass(
             mu = np.where(negligible, 0.0, mu)
             friction = Friction(mu, spec.friction_direction_on_a, reverse)
         return Contact(
-            name=f"{name}, b on a" if reverse else name,
+            name=name + B_ON_A if reverse else name,
             pair=name,
             a=body_a,
             b=body_b,

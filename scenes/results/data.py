@@ -8,6 +8,7 @@ import numpy as np
 
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum
+from scenes.spec.contact import B_ON_A
 from scenes.spec.plain import plain_data
 
 if TYPE_CHECKING:
@@ -121,18 +122,22 @@ def _contact_data(state: "ContactState") -> dict[str, Any]:
 
 def steady_lines(data: Mapping[str, Any]) -> list[str]:
     """Return lines about steady sliding from its record: half passes at each step and finally."""
-    steps = [
-        f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
+    lines = [
+        f"{step['load']:.4g} of the load, {_line(name, step)}, {step['iterations']} Newton steps"
         for step in data["path"]
-        for name, contact in step.get("contacts", {}).items()
+        for name in step.get("contacts", {})
     ]
-    return steps + [_line(name, contact) for name, contact in data["contacts"].items()]
+    return lines + [_line(name, data) for name in data["contacts"]]
 
 
-def _line(name: str, contact: Mapping[str, Any]) -> str:
+def _line(name: str, state: Mapping[str, Any]) -> str:
+    """Return the line of a contact, or of half of a full pass, which carries half the pressure."""
+    contacts = state["contacts"]
+    contact, first = contacts[name], name.removesuffix(B_ON_A)
+    half = f" (half of a full pass of {first})" if first + B_ON_A in contacts else ""
     closed = contact["closed_area"] / contact["area"]
     return (
-        f"steady sliding, {name}: normal force {contact['normal_force']:.6g} N, friction "
+        f"steady sliding, {name}{half}: normal force {contact['normal_force']:.6g} N, friction "
         f"{contact['friction_force']:.6g} N, {100 * closed:.3g} % of the area closed, pressure to "
         f"{contact['largest_pressure']:.6g} N/m^2"
     )

@@ -20,6 +20,8 @@ def _every_formulation(_: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
     return handler.generate_schema(Annotated[every, Field(discriminator="method")])
 
 
+B_ON_A = ", b on a"
+"""Ending of the name of the second half of a full pass."""
 _DIRECTIONS = {
     "vector": "AlongVector",
     "circumferential_about": "Circumferential",

@@ -63,6 +63,16 @@ def test_every_step_is_a_time_in_paraview(backend, tmp_path):
         assert np.abs(upper["displacement"]).max() == pytest.approx(np.abs(u).max(), rel=0.3)
 
 
+def test_halves_of_a_full_pass_are_told_as_such(backend):
+    """They share the force: the line of either is no statement about the contact."""
+    law = {"c_n": 1e3, "m_n": 1.0, "mu": 0.0, "full_pass": True}
+    result = run_scene(read_scene(pressed_blocks(backend, GPTS, kind="static", **law)))
+    forces = [state.normal_force for state in result.steady.contacts.values()]
+    assert sum(forces) == pytest.approx(PRESSURE * AREA, rel=1e-9)
+    assert len(forces) == 2
+    assert all("half of a full pass of interface" in line for line in result.steady_lines())
+
+
 @pytest.fixture
 def refuse(monkeypatch):
     """Lets Newton's method fail at parts of the load."""
