@@ -241,11 +241,9 @@ def _centrifugal_stresses(scene: Scene, _bodies: Bodies) -> Warnings:
 def _friction_damping(scene: Scene, _bodies: Bodies) -> Warnings:
     """Warn of damping by sliding on a body that rotates fast: its circulatory part is left out."""
     told = (
-        "contacts.{contact} has damping by sliding on bodies.{body}, which rotates: its part that "
+        "contacts.{contact} has damping by sliding on bodies.{body}, which rotates: about m rate "
     )
-    told += (
-        "acts on displacements, about m rate / |lambda| of it with m nodal diameters, is left out"
-    )
+    told += "/ |lambda| of it, with m nodal diameters, acts on displacements and is left out"
     analysis = scene.analysis
     end = 2 * np.pi * analysis.max_frequency if analysis.kind == "cea" else inf
     for name, contact in scene.contacts.items():

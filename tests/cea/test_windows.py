@@ -298,4 +298,6 @@ def test_a_window_far_wider_than_the_spectrum_changes_no_eigenvalue(options, dam
     exact = np.where(root.imag < 0, -root, root) - damping / 2
     assert modes.verdict() == "unstable"
     assert len(modes) == len(exact)
-    assert np.abs(modes.eigenvalues[:, None] - exact).min(axis=0) == pytest.approx(0, abs=1e-7)
+    errors = np.abs(modes.eigenvalues[:, None] - exact).min(axis=1)
+    assert (errors <= modes.growth_uncertainties + 1e-9).all()
+    assert modes.growth_uncertainties.max() < 1e-6
