@@ -1,6 +1,6 @@
 """Array types, checked conversion of input to arrays, slices for chunked work, and groups."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -64,3 +64,14 @@ def connected(pairs: Ints, count: int) -> Ints:
     """Return the group of each of ``count`` entries, from 0, such that pairs share a group."""
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def real_product(product: Callable[[Floats], Floats], block: NDArray[Any]) -> NDArray[Any]:
+    """Return a real matrix, given by its product with real blocks, times a real or complex block.
+
+    NumPy and LAPACK would convert the matrix to a complex one.
+    """
+    if not np.iscomplexobj(block):
+        return product(block)
+    image = product(np.ascontiguousarray(block).view(float))
+    return np.ascontiguousarray(image).view(complex)

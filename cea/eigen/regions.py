@@ -4,11 +4,12 @@ Modes with 0 <= Im lambda <= omega, of any growth, have kappa = -lambda^2 inside
 
     |kappa| + Re kappa <= 2 omega^2,   (Im kappa)^2 <= 4 omega^2 (omega^2 - Re kappa).
 
-The disc that touches the parabola at its tip and meets it at Re kappa = -X,
+A disc that contains the part of the parabola with -X <= Re kappa <= -Y, and has both of its ends
+on the edge, has the
 
-    centre -(X + 3 omega^2) / 2,   radius (X + 5 omega^2) / 2,
+    centre -(X + Y) / 2 - 2 omega^2.
 
-contains all of the parabola with Re kappa >= -X, and no more of the positive axis than the window.
+With Y = -omega^2 it touches the tip, and contains no more of the positive axis than the window.
 Friction may move eigenvalues to the left in the parabola. The field of values bounds how far, and
 often confines them to a cone about the real axis (:mod:`cea.eigen.field_of_values`).
 """
@@ -43,9 +44,10 @@ def upper_end(top: float) -> float:
     return 0.5 * top * (1 + _MARGIN)
 
 
-def touching_disc(top: float, depth: float) -> float:
-    """Return the centre of the disc that covers the parabola for Re kappa >= -depth (1/s^2)."""
-    return -0.5 * (depth + 3 * TIP * top)
+def covering_disc(top: float, left: float, right: float) -> Disc:
+    """Return the disc that covers the parabola with left <= Re kappa <= right (1/s^2)."""
+    centre = 0.5 * (left + right) - 2 * TIP * top
+    return Disc(centre, distance_within(top, centre, left, right))
 
 
 def outside_of_window(upper: float, kappa: Complexes, errors: Floats) -> NDArray[np.bool_]:

@@ -148,14 +148,15 @@ class Search:
         """
         assert self.found is not None
         values, found = self.found.eigenvalues, None
-        discs = sorted(
-            self.discs, key=lambda each: self._op is None or each.centre != self._op.shift
-        )
-        beyond = [np.abs(values - disc.centre) - disc.radius for disc in discs]
+        beyond = [np.abs(values - disc.centre) - disc.radius for disc in self.discs]
         nearest = np.argmin(beyond, axis=0)  # some eigenvalues converged outside of all discs
-        for number, disc in enumerate(discs):
+        waiting = np.ones(len(values), dtype=bool)
+        for number, disc in enumerate(self.discs):
             distances = np.abs(values - disc.centre)
             inside = self.found.whole | (distances < disc.radius * _INSIDE) | (nearest == number)
+            if found is not None and not (inside & waiting).any():
+                continue  # earlier discs hold them
+            waiting &= ~inside
             farthest = max(float(distances[inside].max(initial=0.0)), _ASIDE * disc.radius)
             op = self.at(disc.centre).transposed()
             with self.timer("krylov"):

@@ -22,7 +22,7 @@ import numpy as np
 from cea.arrays import Complexes
 from cea.eigen.field_of_values import bounded_growth, field_of_values, largest_growth
 from cea.eigen.pencil import Matrices, release
-from cea.eigen.regions import Disc, distance_of_cone, distance_within, touching_disc, upper_end
+from cea.eigen.regions import TIP, Disc, covering_disc, distance_of_cone, upper_end
 from cea.eigen.search import ATTEMPTS, SHIFT, Search
 from cea.eigen.shift_invert import MARGIN
 from cea.eigen.shifted import count_below
@@ -80,7 +80,7 @@ def _undamped(search: Search) -> Plan:
     """
     matrices, top = search.matrices, search.end**2
     upper, middle, depth = upper_end(top), 0.5 * top, _DEEP * top
-    radius, reached, bound = upper - middle, -top, np.inf
+    radius, reached, bound = upper - middle, -TIP * top, np.inf
     if matrices.symmetric:
         with search.factorising():
             search.counted = count_below(matrices, upper)
@@ -113,8 +113,8 @@ def _undamped(search: Search) -> Plan:
                 bounded = field_of_values(matrices, reached) is not None
         if _is_done(search, bounded=bounded):
             return
-        centre = touching_disc(top, depth)
-        yield centre, distance_within(top, centre, -depth, -reached)
+        disc = covering_disc(top, -depth, -reached)
+        yield disc.centre, disc.radius
         reached, depth = depth, _FARTHER * depth
 
 

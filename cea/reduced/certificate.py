@@ -36,7 +36,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints, real_product
 from cea.eigen.matching import connected
 
 _TOUCH = 10.0
@@ -122,7 +122,8 @@ class Pairs:
         for each in self.terms:
             if each.power:
                 speeds = each.factor * each.power * self.values ** (each.power - 1)
-                total += speeds * np.einsum("ij,ij->j", self.left.conj(), each.square @ self.right)
+                image = real_product(each.square.dot, self.right)
+                total += speeds * np.einsum("ij,ij->j", self.left.conj(), image)
         return total
 
     def _defects(self, x: Complexes, y: Complexes, z: Complexes) -> tuple[Any, Any]:
@@ -139,7 +140,7 @@ class Pairs:
         for side, vectors, own in (("right", x, block), ("left", y, block.conj().T)):
             defect: Any = 0.0
             for each in self.terms:
-                image = each.factor * (getattr(each, side) @ vectors)
+                image = each.factor * real_product(getattr(each, side).dot, vectors)
                 defect = defect + image @ np.linalg.matrix_power(own, each.power)
             residuals = residuals * (norm(defect) + lost * norm(vectors))
         entries: Any = 0.0

@@ -23,7 +23,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes, Floats, real_product
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
 from cea.reduced.basis import InnerProduct, Norms, Span
@@ -166,7 +166,7 @@ class ReducedModel:
         for piece, term in zip(self._pieces.all, self._terms, strict=True):
             slope = sum(c * piece.coefficient.derivative(name, values) for name, c in rates.items())
             if slope:
-                image = term.square @ found.right
+                image = real_product(term.square.dot, found.right)
                 projected = np.einsum("ij,ij->j", found.left.conj(), image)
                 change -= slope * term.factor * found.z**term.power * projected
         with np.errstate(divide="ignore", invalid="ignore"):

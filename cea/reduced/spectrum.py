@@ -7,13 +7,14 @@ margin are needed for the error bounds of clusters at the end of the window.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats, Ints, real_product
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
 from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
@@ -185,11 +186,11 @@ def _pairs(
     shifted = np.sum([e.factor * shift**e.power * e.square for e in terms], axis=0)
     factors, k = lu_factor(shifted), len(root)
 
-    def balanced(loads: Any, *, left: bool = False) -> NDArray[Any]:
+    def balanced(loads: Floats, *, left: bool = False) -> Floats:
         """Return displacements and contact forces under loads."""
-        rows = np.zeros((len(forces), loads.shape[1]), dtype=loads.dtype)
+        rows = np.zeros((len(forces), loads.shape[1]))
         rows[own] = loads
-        found: NDArray[Any] = lu_solve(factors, rows, trans=int(left))
+        found: Floats = lu_solve(factors, rows, trans=int(left))
         return found
 
     if not damped:
@@ -218,8 +219,9 @@ def _pairs(
         motion = solve_triangular(root, side, lower=True, trans="T")
         # The contact forces are those under the loads (P(shift) - P(z)) x.
         moved = [(e.power, e.factor * squares[e.power]) for e in terms if e.power]
-        loads = sum((A.T if left else A) @ motion * (shift**p - z**p) for p, A in moved)
-        vectors.append(balanced(loads, left=left))
+        turned = [(p, A.T if left else A) for p, A in moved]
+        loads = sum(real_product(A.dot, motion) * (shift**p - z**p) for p, A in turned)
+        vectors.append(real_product(partial(balanced, left=left), loads))
         vectors[-1][own] = motion
     return Pairs(terms, values, vectors[0], vectors[1], states, duals, operator, shift, scale)
 

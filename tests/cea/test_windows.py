@@ -15,7 +15,7 @@ from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.field_of_values import field_of_values
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.modes import Modes
-from cea.eigen.regions import distance_of_cone, distance_within, touching_disc
+from cea.eigen.regions import covering_disc, distance_of_cone
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import solve_static
 from cea.errors import ConvergenceError
@@ -232,18 +232,24 @@ def test_signs_of_determinants_know_damping_of_low_rank():
     assert set(found) == {0, 1}
 
 
-@pytest.mark.parametrize("depth", [0.0, 0.1, 3.0, 1e3])
-def test_the_disc_covers_every_growth_to_its_depth(depth):
-    """Modes with Im lambda <= 1 and Re kappa >= -depth lie in it, those above 1.02 do not."""
+@pytest.mark.parametrize(
+    ("left", "right"), [(0.0, 1.01), (-0.1, 1.01), (-3.0, 1.01), (-1e3, 1.01), (-8.0, -1.0)]
+)
+def test_the_disc_covers_every_growth_of_its_part(left, right):
+    """Modes with Im lambda <= 1 and left <= Re kappa <= right lie in it, those above 1.02 do not.
+
+    Both ends lie on its edge: it reaches no farther to the right than it must.
+    """
     rng = np.random.default_rng(1)
-    value = rng.uniform(-2 - depth, 2 + depth, 100_000) + 1j * rng.uniform(0, 1, 100_000)
+    value = rng.uniform(left - 2, 2 - left, 100_000) + 1j * rng.uniform(0, 1, 100_000)
     kappa = -(value**2)
-    kappa = kappa[kappa.real >= -depth]
-    centre = touching_disc(1.0, depth)
-    radius = distance_within(1.0, centre, -depth, 1.0)
+    kappa = kappa[(kappa.real >= left) & (kappa.real <= right)]
+    disc = covering_disc(1.0, left, right)
     assert len(kappa) > 1000
-    assert (np.abs(kappa - centre) <= radius).all()
-    assert centre + radius < 1.02
+    assert (np.abs(kappa - disc.centre) <= disc.radius).all()
+    assert disc.centre + disc.radius < 1.02
+    ends = [np.hypot(x - disc.centre, 2 * np.sqrt(1.01 * (1.01 - x))) for x in (left, right)]
+    assert ends == pytest.approx([disc.radius] * 2, rel=1e-12)
 
 
 @pytest.mark.parametrize("coupling", [1e3, 1e4])
