@@ -8,7 +8,6 @@ margin are needed for the error bounds of clusters at the end of the window.
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
