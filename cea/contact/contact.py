@@ -19,8 +19,8 @@ from cea.arrays import Floats
 from cea.body import Body, system_operator
 from cea.contact.formulations import Coupling, Form
 from cea.contact.interface import Interface, along
-from cea.contact.laws import Friction, NormalLaw, Sliding
 from cea.contact.mortar import Eliminated, mortar_compliance, mortar_pressure, traces_at
+from cea.contact.pressure_and_friction import Friction, NormalLaw, Sliding
 from cea.errors import InputError
 from cea.matrices import (
     applied,

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.contact.laws import NormalCompliance
+from cea.contact.pressure_and_friction import NormalCompliance
 from cea.eigen.pencil import Matrices, Sizes, internal_forces
 from cea.eigen.shifted import Shifted, count_below
 from cea.eigen.static import rounding_uncertainty

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.contact.laws import NormalCompliance
+from cea.contact.pressure_and_friction import NormalCompliance
 from comparisons.paper.figure import Figure, Mesh, Row, Tables, quoted, rows_of
 from comparisons.study.session import Session
 

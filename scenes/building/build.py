@@ -11,7 +11,7 @@ from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
 from cea.contact.interface import default_reach, pair
-from cea.contact.laws import Friction, LinearLaw, NormalLaw, Sliding
+from cea.contact.pressure_and_friction import Friction, LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError, require
 from cea.expressions import evaluate
 from cea.mesh import Mesh

@@ -26,7 +26,7 @@ from scipy.spatial import KDTree
 from cea.arrays import Floats
 from cea.body import VolumeCells
 from cea.contact.contact import Contact, approach_along, by_pair
-from cea.contact.laws import NormalCompliance
+from cea.contact.pressure_and_friction import NormalCompliance
 from cea.ranks import agreed, made_on_first
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates

@@ -22,7 +22,7 @@ from cea.arrays import Floats
 from cea.body import Body, VolumeCells
 from cea.contact.contact import Contact
 from cea.contact.interface import nested, sampling
-from cea.contact.laws import Circumferential
+from cea.contact.pressure_and_friction import Circumferential
 from cea.errors import ResultWarning
 from cea.expressions import evaluate
 from cea.motion import Rotation

@@ -30,7 +30,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.contact.laws import AlongVector, Circumferential
+from cea.contact.pressure_and_friction import AlongVector, Circumferential
 from cea.errors import InputError, require
 from cea.files import check_writable, write_whole
 from cea.petsc import MPI

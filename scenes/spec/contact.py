@@ -8,7 +8,12 @@ from pydantic import Discriminator, Field, GetCoreSchemaHandler, GetPydanticSche
 from pydantic_core import CoreSchema
 
 from cea.contact.formulations import Form, Formulation, registered
-from cea.contact.laws import AlongField, AlongVector, Circumferential, NormalCompliance
+from cea.contact.pressure_and_friction import (
+    AlongField,
+    AlongVector,
+    Circumferential,
+    NormalCompliance,
+)
 from cea.errors import require
 from cea.expressions import Expression
 from scenes.spec.body import Backend

@@ -26,7 +26,7 @@ from cea.contact.formulations import (
     Segments,
 )
 from cea.contact.interface import default_reach, pair
-from cea.contact.laws import AlongVector, Friction, LinearLaw
+from cea.contact.pressure_and_friction import AlongVector, Friction, LinearLaw
 from cea.eigen.driver import solve_modes
 from cea.material import IsotropicMaterial
 from cea.mesh import facet_nodes

@@ -8,7 +8,7 @@ from blocks import assemble, coarse, two_blocks
 from petsc_matrices import to_numpy
 
 from cea.contact.interface import pair
-from cea.contact.laws import Friction, LinearLaw, NormalCompliance
+from cea.contact.pressure_and_friction import Friction, LinearLaw, NormalCompliance
 from cea.errors import InputError
 from cea.matrices import applied
 

@@ -7,7 +7,7 @@ from covering import covering
 from petsc_matrices import to_numpy
 from pressed import AREA, PRESSURE, SOFT, pressed_blocks
 
-from cea.contact.laws import NormalCompliance
+from cea.contact.pressure_and_friction import NormalCompliance
 from cea.errors import ConvergenceError, InputError
 from cea.system.steady_equations import SteadyEquations
 from cea.system.steady_path import steady_sliding
