@@ -30,7 +30,7 @@ SIAM J. Sci. Comput. 41 (2019)).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -69,6 +69,17 @@ class Term:
         arrays = [sum(c * getattr(t, n) for c, t in parts) for n in ("square", "right", "left")]
         errors = [sum(abs(c) * getattr(t, n) for c, t in parts) for n in ("lost", "rounding")]
         return cls(first.factor, first.power, *arrays, *errors)
+
+    def on(self, part: Floats) -> "Term":
+        """Return the term on a part of the basis, orthonormal columns; rounding adds up at random.
+
+        Errors of different entries are independent, so their squares are added.
+        """
+        square, right = part.T @ self.square @ part, self.right @ part
+        left = right if self.left is self.right else self.left @ part
+        moved = np.sqrt((part**2).T @ self.rounding**2 @ part**2)
+        rounding = moved + np.finfo(float).eps * np.abs(square)
+        return replace(self, square=square, right=right, left=left, rounding=rounding)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from cea.eigen.driver import EigenSolver
 from cea.errors import ConvergenceError, InputError, ResultWarning, require
 from cea.reduced.crossings import Quantity, Threshold, growing_root, passing
 from cea.reduced.following import Sample
-from cea.reduced.greedy import Enrichment
+from cea.reduced.greedy import TOLERANCE, Enrichment, Point
 from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum, Window
 from cea.reduced.thresholds import Line, thresholds_along
@@ -31,6 +31,11 @@ _CONVERGED = 1e-13
 """Size of a Newton step relative to the value at convergence."""
 _TRAINING = 9
 """Number of values at which bounds of a basis are evaluated, and thresholds are bracketed."""
+_MANY, _HELD = 20, 5
+"""Number of points along a line from which on a part of the basis is used, and of spectra that it
+holds at first."""
+_BETTER = 0.5
+"""Error bound on the whole basis relative to that on a part below which the part is enlarged."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +65,41 @@ class ConfirmedThreshold:
         return self.eigenvalue.imag / (2 * np.pi)
 
 
+class SpectraAlong:
+    """Spectra of a reduced model at many points along a line, on a part of its basis.
+
+    The part holds the spectra at some of the points, and where that does not suffice for the
+    ``tolerance`` of error bounds also that at a point in question. With few points the whole basis
+    is used.
+    """
+
+    def __init__(
+        self, model: ReducedModel, points: Sequence[Point] = (), tolerance: float = TOLERANCE
+    ) -> None:
+        self.model, self._part, self._tolerance = model, model, tolerance
+        self._held = list[ReducedSpectrum]()
+        if len(points) >= _MANY:
+            chosen = np.linspace(0, len(points) - 1, _HELD).round().astype(int)
+            self._held += [model.at(points[i]) for i in chosen]
+            self._part = model.part(self._held)
+
+    def at(self, point: Point) -> tuple[ReducedSpectrum, ReducedModel]:
+        """Return the spectrum at a point, and the model in whose coordinates its vectors are."""
+        found = self._part.at(point)
+        if self._part is self.model or found.worst <= self._tolerance:
+            return found, self._part
+        whole = self.model.at(point)
+        if whole.worst <= _BETTER * found.worst:
+            self._held.append(whole)
+            self._part = self.model.part(self._held)
+        return whole, self.model
+
+
 def line_of_model(
-    model: ReducedModel,
+    spectra: SpectraAlong,
     point: Callable[[float], Mapping[str, float]],
     rates: Mapping[str, float],
-    known: Mapping[float, ReducedSpectrum] = MappingProxyType({}),
+    known: Mapping[float, tuple[ReducedSpectrum, ReducedModel]] = MappingProxyType({}),
 ) -> Line:
     """Return the line of spectra of a reduced model; those in ``known`` are reused.
 
@@ -72,13 +107,12 @@ def line_of_model(
     """
 
     def at(value: float) -> Sample:
-        found = known.get(value) or model.at(point(value))
+        found, model = known.get(value) or spectra.at(point(value))
         slopes = model.slopes(found, point(value), rates)
-        shapes, bounds = found.right[~model.forces], (found.errors, found.means, found.clusters)
-        vectors = shapes / np.linalg.norm(shapes, axis=0)
-        return Sample(value, found.z, slopes, *bounds, vectors)
+        bounds = found.errors, found.means, found.clusters
+        return Sample(value, found.z, slopes, *bounds, model.shapes(found))
 
-    return Line(model.window, at)
+    return Line(spectra.model.window, at)
 
 
 def first_threshold(
@@ -114,7 +148,7 @@ def first_threshold(
         Enrichment(model, driver).cover([point(value) for value in training])
     finally:
         model.free()
-    line = line_of_model(model, point, dict.fromkeys(names, 1.0))
+    line = line_of_model(SpectraAlong(model), point, dict.fromkeys(names, 1.0))
     found = thresholds_along(line, training)
     kinds = ("flutter", "divergence") if line.window.damped else ("flutter",)
     way = 1.0 if flutter > real else -1.0

@@ -18,7 +18,8 @@ without bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. En
 A softer contact needs none: its gaps open in the full solves.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -40,6 +41,10 @@ FORCES = 1e-8
 """Relative norm of contact forces below which the basis drops them; errors go with its square."""
 _SAFETY = 2.0
 """Initial safety factor on the inverse of the pencil outside the basis."""
+_MOTIONS, _PRESSURES, _STATIC = 1e-5, 1e-7, 1e-2
+"""Relative norms of displacements, forces and static displacements that a part of a basis drops."""
+_SMALLER = 0.7
+"""Size of a part relative to the whole basis from which on the whole is used."""
 
 
 def _real_vectors(modes: Modes, norm: InnerProduct, *, damped: bool) -> Floats:
@@ -127,6 +132,7 @@ class ReducedModel:
         ]
         self._basis, self._residuals = Span(self.norms.states), Span(self.norms.residuals)
         self.forces = np.empty(0, dtype=bool)
+        self._part: Floats | None = None
         self._widest: dict[ContactPiece, float] = {}
         damped = any(piece.role == "damping" for piece in self._pieces.all)
         decay = DECAY * end if min_growth is None else -min_growth
@@ -172,6 +178,43 @@ class ReducedModel:
         with np.errstate(divide="ignore", invalid="ignore"):
             moved: Complexes = change / found.overlaps
         return moved
+
+    def shapes(self, found: ReducedSpectrum) -> Complexes:
+        """Return unit displacements of right vectors in one basis for all parts of a model."""
+        own = found.right[~self.forces]
+        lifted = own if self._part is None else real_product(self._part.dot, own)
+        return np.asarray(lifted / np.linalg.norm(lifted, axis=0), dtype=complex)
+
+    def part(self, spectra: Sequence[ReducedSpectrum]) -> "ReducedModel":
+        """Return the model on the part of its basis that holds given spectra, and theirs between.
+
+        The part has displacements and forces of all vectors, forces that close the gaps of these
+        displacements, and static displacements under these forces. Where it is not much smaller,
+        the model itself is returned.
+        """
+        own, forces = ~self.forces, self.forces
+        vectors = [block for each in spectra for block in (each.right, each.left)]
+        motions, pressures = (
+            np.hstack([_scaled_parts(block[rows]) for block in vectors]) for rows in (own, forces)
+        )
+        closing = [each.closes for each in self._pieces.contacts]
+        gaps = np.zeros((int(forces.sum()), int(own.sum())))
+        for piece, term in zip(self._pieces.all, self._terms, strict=True):
+            if any(piece is each for each in closing):
+                gaps += term.square[np.ix_(forces, own)]
+        gaps /= max(float(np.linalg.norm(gaps, ord=2)), np.finfo(float).tiny) if gaps.size else 1.0
+        u = _leading(motions, _MOTIONS)
+        f = _leading(np.hstack([pressures, gaps @ u]), _PRESSURES)
+        static = gaps.T @ f
+        u = np.hstack([u, _leading(static - u @ (u.T @ static), _STATIC, 1.0)])
+        if u.shape[1] + f.shape[1] > _SMALLER * self.size:
+            return self
+        chosen = np.zeros((self.size, u.shape[1] + f.shape[1]))
+        chosen[own, : u.shape[1]], chosen[forces, u.shape[1] :] = u, f
+        smaller = copy(self)
+        smaller._part, smaller._terms = u, [term.on(chosen) for term in self._terms]
+        smaller.forces = np.arange(chosen.shape[1]) >= u.shape[1]
+        return smaller
 
     def take(self, modes: Modes) -> None:
         """Extend the basis by the right and left vectors and contact forces of a full solve."""
@@ -222,10 +265,13 @@ class ReducedModel:
         grown = [self._grown(piece, term, before) for piece, term in both]
         rows = self._residuals.size  # later terms add rows to those of earlier ones
 
-        def padded(block: Floats) -> Floats:
-            return np.pad(block, ((0, rows - len(block)), (0, 0)))
+        def padded(term: Term) -> Term:
+            right, left = (
+                np.pad(block, ((0, rows - len(block)), (0, 0))) for block in (term.right, term.left)
+            )
+            return replace(term, right=right, left=right if term.left is term.right else left)
 
-        self._terms = [replace(e, right=padded(e.right), left=padded(e.left)) for e in grown]
+        self._terms = [padded(each) for each in grown]
 
     def _grown(self, piece: Piece, term: Term, before: int) -> Term:
         vectors, norm, eps = self._basis.vectors, self.norms.states, np.finfo(float).eps
@@ -273,3 +319,16 @@ class ReducedModel:
 def _unit(block: Floats, lengths: Floats) -> Floats:
     """Return the columns scaled to unit norm, without zero columns."""
     return block[:, lengths > 0] / lengths[lengths > 0]
+
+
+def _scaled_parts(block: Complexes) -> Floats:
+    """Return real and imaginary parts of columns, relative to the norm of each column."""
+    lengths = np.maximum(np.linalg.norm(block, axis=0), np.finfo(float).tiny)
+    return np.hstack([block.real / lengths, block.imag / lengths])
+
+
+def _leading(block: Floats, floor: float, largest: float | None = None) -> Floats:
+    """Return the left singular vectors of a block above a fraction of the largest value."""
+    squares, vectors = np.linalg.eigh(block @ block.T)
+    most = squares.max(initial=0.0) if largest is None else largest**2
+    return vectors[:, squares > floor**2 * max(most, np.finfo(float).tiny)]

@@ -15,7 +15,7 @@ from cea.errors import ConvergenceError, require
 from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.reduced.crossings import Threshold
-from cea.reduced.full_solves import confirm, line_of_model
+from cea.reduced.full_solves import SpectraAlong, confirm, line_of_model
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum
@@ -256,24 +256,32 @@ class _OnBasis:
     def _part(self, middle: ReducedSpectrum | None, number: int) -> _Part:
         """Return the thresholds of a part, and the rows of its points."""
         self._progress(f"{number + 1} of {len(self._parts)} lines or groups of samples")
-        scene, model, numbers = self._scene, self.basis.model, self._parts[number]
-        spectra, rows = list[ReducedSpectrum](), []
-        for point in map(self._point, numbers):
-            found = model.at(point)
+        scene, numbers = self._scene, self._parts[number]
+        points, rows = [self._point(i) for i in numbers], []
+        on_line = points if middle is None else ()
+        spectra = SpectraAlong(self.basis.model, on_line, self._asked.tolerance)
+        known = list[tuple[ReducedSpectrum, ReducedModel]]()
+        for point in points:
+            found, model = spectra.at(point)
             own = found.window
             moved = np.array([model.slopes(own, point, names) for names in scene.names])
             slopes = model.window.root_slopes(own.z, moved).T
             alike = np.full(len(found), -1) if middle is None else continued(middle, found)
             rows.append(row_of_model(found, slopes, alike, scene.window.growth_threshold))
-            spectra.append(found)
-        return self._line(numbers, spectra) if middle is None else None, rows
+            known.append((found, model))
+        return self._line(numbers, spectra, known) if middle is None else None, rows
 
-    def _line(self, numbers: Ints, spectra: list[ReducedSpectrum]) -> FoundAlong:
+    def _line(
+        self,
+        numbers: Ints,
+        spectra: SpectraAlong,
+        known: list[tuple[ReducedSpectrum, ReducedModel]],
+    ) -> FoundAlong:
         """Return the thresholds along a line, with the values of the other fields."""
         points, rates = self._scene.points, self._scene.names[0]
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
-        known = dict(zip(values, spectra, strict=True))
-        line = line_of_model(self.basis.model, self._along(others), rates, known)
+        at_values = dict(zip(values, known, strict=True))
+        line = line_of_model(spectra, self._along(others), rates, at_values)
         axis = self._asked.fields[0]
         logarithmic = isinstance(axis, Axis) and axis.log
         found = thresholds_along(line, values, logarithmic=logarithmic)

@@ -15,6 +15,9 @@ from reference_data import plane_meshes
 from sweep_cases import MESHES, MU, P, assert_within_bounds, sine_blocks, sweep_of
 
 from cea.errors import InputError
+from cea.reduced.full_solves import SpectraAlong
+from cea.reduced.greedy import Enrichment
+from cea.reduced.model import ReducedModel
 from comparisons.sweep.page import read_sweep, write_sweep
 from comparisons.sweep.points import read_axis, read_fields
 from comparisons.sweep.scene import NoMapError, mapped
@@ -42,6 +45,34 @@ def made(request, tmp_path_factory):
     write_sweep(swept, folder)
     swept.store.discard()
     return swept, request.param, folder
+
+
+@pytest.mark.parametrize(
+    "fields", [("mu=0:2:25", "P=1e-3:1e9:log:4"), ("P=1e-3:1e9:log:25", "mu=0:2:4")]
+)
+def test_a_part_of_a_basis_gives_the_spectra_of_the_whole_along_a_line(fields, monkeypatch):
+    """Lines of friction, and of stiffness over decades."""
+    monkeypatch.setattr("cea.reduced.model._SMALLER", 0.95)  # else the basis is too small for it
+    scene = mapped("blocks", read_fields(fields), sine_blocks("iga", *TOP[1:]))
+    low, high = (scene.point(end) for end in zip(*scene.points.ends, strict=True))
+    box = {name: (low[name], high[name]) for name in low}
+    model = ReducedModel(scene.pencil, box, scene.window.max_frequency)
+    every = [scene.point(values) for values in scene.points.values.tolist()]
+    Enrichment(model, scene.driver).cover(every[::7], 1e-9)
+    sizes = set()
+    for line in scene.points.parts:
+        points = [every[i] for i in line]
+        spectra = SpectraAlong(model, points)
+        for point in points:
+            (found, part), whole = spectra.at(point), model.at(point)
+            sizes.add(len(part.forces) / model.size)
+            assert len(found) == len(whole)
+            assert (np.abs(found.z - whole.z) <= found.errors + whole.errors).all()
+            assert found.worst <= 1e-8 or part is model
+            shapes = part.shapes(found).conj() * model.shapes(whole)
+            apart = np.ptp(found.clusters) + 1 == len(found)
+            assert not apart or np.abs(shapes.sum(axis=0)).min() > 1 - 1e-6
+    assert min(sizes) < 0.95
 
 
 def test_values_and_slopes_are_those_of_full_solves(made):
