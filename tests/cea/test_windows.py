@@ -49,13 +49,18 @@ def band(n, low=0.5, high=400.0):
     [(0.5, KRYLOV), (5.0, KRYLOV), *((each, KrylovOptions()) for each in (0.5, 5.0, 50.0, 1e4))],
 )
 def test_growth_of_any_strength_is_found(strength, options):
-    """Flutter and divergence far outside of the disc about the window, beside 150 other modes."""
+    """Flutter and divergence far outside of the disc about the window, beside 150 other modes.
+
+    Left vectors are found in the discs that hold them.
+    """
     fast = -((strength + 0.4j) ** 2)
     blocks = [*band(150), pair(fast.real, fast.imag), [[-((2 * strength) ** 2)]]]
     pencil = pencil_with(blocks, turned=strength < 1e3)
-    modes = solve_modes(pencil, HERTZ, options=options)
+    modes = solve_modes(pencil, HERTZ, options=options, left=True)
     assert modes.window.complete
     assert modes.verdict() == "unstable"
+    inner = modes.left.vectors.conj().T @ modes.vectors
+    np.testing.assert_allclose(inner, np.eye(len(modes)), atol=1e-6)
     growing = np.sort(modes.growth_rates[modes.unstable()])
     assert growing == pytest.approx([strength, 2 * strength], rel=1e-6)
 
