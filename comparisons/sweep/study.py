@@ -260,28 +260,27 @@ class _OnBasis:
         points, rows = [self._point(i) for i in numbers], []
         on_line = points if middle is None else ()
         spectra = SpectraAlong(self.basis.model, on_line, self._asked.tolerance)
-        known = list[tuple[ReducedSpectrum, ReducedModel]]()
-        for point in points:
+        known = dict[float, tuple[ReducedSpectrum, ReducedModel]]()
+        for value, point in zip(scene.points.values[numbers, 0].tolist(), points, strict=True):
             found, model = spectra.at(point)
             own = found.window
             moved = np.array([model.slopes(own, point, names) for names in scene.names])
             slopes = model.window.root_slopes(own.z, moved).T
             alike = np.full(len(found), -1) if middle is None else continued(middle, found)
             rows.append(row_of_model(found, slopes, alike, scene.window.growth_threshold))
-            known.append((found, model))
+            known[value] = found, model
         return self._line(numbers, spectra, known) if middle is None else None, rows
 
     def _line(
         self,
         numbers: Ints,
         spectra: SpectraAlong,
-        known: list[tuple[ReducedSpectrum, ReducedModel]],
+        known: Mapping[float, tuple[ReducedSpectrum, ReducedModel]],
     ) -> FoundAlong:
         """Return the thresholds along a line, with the values of the other fields."""
         points, rates = self._scene.points, self._scene.names[0]
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
-        at_values = dict(zip(values, known, strict=True))
-        line = line_of_model(spectra, self._along(others), rates, at_values)
+        line = line_of_model(spectra, self._along(others), rates, known)
         axis = self._asked.fields[0]
         logarithmic = isinstance(axis, Axis) and axis.log
         found = thresholds_along(line, values, logarithmic=logarithmic)
